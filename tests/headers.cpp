@@ -1,2 +1,2 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Empty: there for the precompiled headers of the tests.
+// Empty: it carries the precompiled headers of the tests.

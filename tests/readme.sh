@@ -1,11 +1,11 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs the examples of README.md and of the pages it links to, and compares their output letter by letter:
+# Runs the examples of README.md and of the pages it links to, and compares their output character by character:
 #   the first ```cpp block of README.md, built against the installed package, with the ```text block that follows it;
 #   each ```console block of each page: every line `$ command`, with the lines that follow it as its output.
-# The commands of a page run in bash, in order, in a folder of their own: with graze on PATH, the source tree's data/ in it, and each
-# ```toml block of the page that begins with a line `# NAME.toml` as that file.
-# Relative links of the pages must lead to files, and to headings, that exist.
+# The commands of a page run in bash, in order, in a separate folder, with graze on PATH. The folder has the data/ of the source
+# tree, and each ```toml block of the page that begins with a line `# NAME.toml` as that file.
+# Relative links of the pages must lead to existing files and headings.
 # usage: readme.sh GRAZE_PROGRAM WORK_FOLDER      (the package is found by CMAKE_PREFIX_PATH)
 set -euo pipefail
 source_folder="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -31,7 +31,7 @@ same() {
     fail "shows another output than '$1' gives (above: - $page, + as computed)"
 }
 
-# Writes the page's files, and prints its console blocks one after the other.
+# Writes the files of the page, and prints its console blocks one after the other.
 unpack() {
   awk -v folder="$session" '
     block == "toml" && first && /^# [a-z-]+\.toml$/ { file = folder "/" $2 }
@@ -52,7 +52,7 @@ check() {
   commands=$((commands + 1))
 }
 
-# Headings as they are named in links.
+# Headings in the form used by links.
 headings() { sed -n '/^```/,/^```/d; s/^##* //p' "$1" | tr '[:upper:]' '[:lower:]' | sed 's/[^a-z0-9 _-]//g; s/ /-/g'; }
 
 check_links() {

@@ -1,11 +1,11 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs what is missing, builds the release with its tests and runs them all. The last line is
+# Installs missing packages, builds the release with its tests and runs them all. The last line is
 # "N passed, N failed"; the exit code is 0 only if none failed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-result="0 passed, 1 failed" # stands if the tests are not reached
+result="0 passed, 1 failed" # printed if the tests do not run
 trap 'code=$?; echo "$result"; exit "$code"' EXIT
 
 bash apps/install_packages.sh tests

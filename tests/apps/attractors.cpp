@@ -40,7 +40,7 @@ TEST_CASE("attractors: a grid of starts gives basins, fractions with errors, a t
   CHECK(json["status"] == "done");
   CHECK(json["starts"] == 22 * 12);
   CHECK(json["lost"] == 0);
-  // x = -1.9, -1.7, ... 2.1, 2.3: the last two of each row, and they alone, lie beyond the barrier at 2.
+  // x = -1.9, -1.7, ... 2.1, 2.3: only the last two of each row lie beyond the barrier at 2.
   const Json& basins = json["basins"];
   REQUIRE(basins["x"].size() == 22);
   REQUIRE(basins["v"].size() == 12);
@@ -87,7 +87,7 @@ TEST_CASE("attractors: the text names each attractor with its share") {
   CHECK_THAT(outcome.out, Contains("z = 2/3") && Contains("z = 4/4") && Contains("of 240 admissible starts"));
 }
 
-TEST_CASE("attractors: random starts are those of the seed, within the ranges") {
+TEST_CASE("attractors: random starts follow from the seed and lie within the ranges") {
   const std::vector<std::string> options = {"--set", "eta=0.746", "--random", "60", "--x=-1:0", "--v=0.5:1", "--json", "-"};
   const Json json = json_of(run(options));
   REQUIRE(json["basins"]["starts"].size() == 60);
@@ -104,11 +104,11 @@ TEST_CASE("attractors: random starts are those of the seed, within the ranges") 
   CHECK_FALSE(gnuplot_script(picture_of(json), "svg").empty());
 }
 
-TEST_CASE("attractors: the window of a grid that is not given ends at the barrier") {
+TEST_CASE("attractors: the default window of a grid ends at the barrier") {
   const Json json = json_of(run({"--set", "eta=0.744", "--v=0:1:2", "--json", "-"}));
   CHECK(json["basins"]["x"].size() == 64);
   CHECK(json["basins"]["x"].back().get<double>() < 2.0);
-  // As wide as the motion without barrier, whose amplitude is below 1 / (1 - eta^2); no start lies on the rim of the window.
+  // As wide as the motion without barrier, whose amplitude is below 1 / (1 - eta^2); no start lies on the edge of the window.
   CHECK(json["basins"]["x"].front().get<double>() > -std::max(2.0, 1.0 / (1.0 - 0.744 * 0.744)));
   const Json rows = json_of(run({"--set", "eta=0.744", "--x=0:1:2", "--json", "-"}))["basins"];
   CHECK(rows["v"].size() == 64);
@@ -116,8 +116,8 @@ TEST_CASE("attractors: the window of a grid that is not given ends at the barrie
   CHECK(json["admissible"] == 128);
 }
 
-TEST_CASE("attractors: the default box holds the attractors that are found") {
-  // Fixed: it ended at the barrier, also of a soft stop.
+TEST_CASE("attractors: the default box contains the attractors") {
+  // Fixed: the box ended at the barrier, even for a soft stop.
   for (const char* r : {"r=2", "r=0.2"}) {
     const Json json = json_of(call("attractors", "hertz-damped", {"--set", "eta=0.711", "--set", r, "--json", "-"}));
     const Json &x = json["options"]["x"], &v = json["options"]["v"];
@@ -138,7 +138,7 @@ TEST_CASE("attractors: the picture has a cell per start, a legend with the share
   CHECK(picture.cells->colour.size() == 22 * 12);
   CHECK(std::count(picture.cells->colour.begin(), picture.cells->colour.end(), -1) == 24);  // beyond the barrier
   CHECK(std::count(picture.cells->colour.begin(), picture.cells->colour.end(), 0) == json["attractors"][0]["count"].get<int>());
-  REQUIRE(picture.curves.size() == 6);  // the states of each, their dark rim, and what stands in the legend
+  REQUIRE(picture.curves.size() == 6);  // for each: the states, their dark outline, and the legend entry
   CHECK(picture.curves[1].points.size() == 3);
   CHECK_THAT(picture.curves[2].title, Contains("z = 2/3: ") && Contains(" ± "));
   REQUIRE(picture.barriers.size() == 1);
@@ -150,7 +150,7 @@ TEST_CASE("attractors: the picture has a cell per start, a legend with the share
   for (const std::string ending : {"png", "svg", "pdf"}) CHECK(draw(picture, ending).size() > 2000);
 }
 
-TEST_CASE("attractors goes on from what an interrupted run has left, to the last bit") {
+TEST_CASE("attractors continues an interrupted run with identical bits") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
   const std::vector<std::string> options = {"--set",     "eta=0.711", "--x=-2:1.9:9", "--v=-2:2:9",
@@ -159,7 +159,7 @@ TEST_CASE("attractors goes on from what an interrupted run has left, to the last
   CHECK(std::filesystem::exists(out + "/attractors.csv"));
   CHECK(std::filesystem::exists(out + "/attractors-basins.png"));
   REQUIRE(whole["attractors"].size() >= 1);
-  // What an interrupted run leaves: every second start is not there yet.
+  // The result of an interrupted run: every second start is missing.
   Json part = whole;
   part["status"] = "interrupted";
   for (std::size_t j = 0; j < 9; ++j)
@@ -167,7 +167,7 @@ TEST_CASE("attractors goes on from what an interrupted run has left, to the last
   folder.write("run/attractors.json", part.dump());
   Json resumed = json_of(run(with(options, {"--resume", out, "--json", "-"}), "hertz-damped"));
   for (const char* key : {"attractors", "basins", "admissible", "lost", "status"}) CHECK(resumed[key] == whole[key]);
-  // And what is written there is the whole.
+  // The file there has the complete result.
   CHECK(Json::parse(read_file(out + "/attractors.json"))["basins"] == whole["basins"]);
   const Outcome other = run(with(options, {"--resume", out, "--set", "b=0.06"}), "hertz-damped");
   CHECK(other.code == 2);
@@ -180,7 +180,7 @@ TEST_CASE("attractors goes on from what an interrupted run has left, to the last
   CHECK_THAT(refused.err, Contains("is damaged; compute it anew"));
 }
 
-TEST_CASE("attractors: a signal ends it, and what is there is kept") {
+TEST_CASE("attractors: a signal ends the command and its results are kept") {
   const TemporaryFolder folder;
   const std::string file = folder.file("part.json");
   const Outcome outcome = interrupt("attractors '" + problem("hertz-damped") +
@@ -193,7 +193,7 @@ TEST_CASE("attractors: a signal ends it, and what is there is kept") {
   CHECK(json["basins"]["attractor"].size() == 900);
 }
 
-TEST_CASE("attractors refuses what it does not understand") {
+TEST_CASE("attractors refuses invalid options") {
   const auto misuse = [](std::vector<std::string> more) {
     const Outcome outcome = run(std::move(more));
     CHECK(outcome.code == 2);

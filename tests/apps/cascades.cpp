@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cascades of period doublings: which points belong together, and the ratios of their intervals.
+// Cascades of period doublings: their points, and the ratios of their intervals.
 #include "graze_program.hpp"
 
 #include <graze/apps/results/cascades.hpp>
@@ -34,7 +34,7 @@ Branch branch(int id, int period, std::vector<SpecialPoint> points, std::optiona
   return branch;
 }
 
-/// Lets the branch end where an orbit of half its period is doubled, with states 0.1 to both sides of it.
+/// Ends the branch where it meets the orbit of half its period, with states 0.1 to both sides of that orbit.
 void return_to(Branch& branch, double value) {
   BranchPoint last;
   last.value = value + 1e-5;
@@ -52,7 +52,7 @@ std::string labels(const Cascade& cascade) {
 
 }  // namespace
 
-TEST_CASE("a cascade's ratios are those of its intervals") {
+TEST_CASE("the ratios of a cascade are those of its intervals") {
   // Intervals 0.4, 0.1, 0.02: ratios 4 and 5.
   const std::vector<Branch> branches = {branch(1, 1, {doubling("PD1", 0.9, 3, 1)}),
                                         branch(2, 2, {doubling("PD2", 0.5, 3, 2)}, BranchParent{1, "PD1"}),
@@ -82,7 +82,7 @@ TEST_CASE("two doublings are no cascade") {
 }
 
 TEST_CASE("a doubled branch that ends at another doubling belongs to two cascades") {
-  // A bubble: from PD1 upwards PD3, PD5; from PD2, at which the doubled branch ends, downwards PD4, PD6.
+  // A bubble: PD3, PD5 upwards from PD1; PD4, PD6 downwards from PD2, at which the doubled branch ends.
   std::vector<Branch> branches = {
       branch(1, 1, {doubling("PD1", 0.1, 1, 1), doubling("PD2", 0.9, 8, 1)}),
       branch(2, 2, {doubling("PD3", 0.2, 1, 2), doubling("PD4", 0.8, 8, 2)}, BranchParent{1, "PD1"}),

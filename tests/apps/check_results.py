@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Holds results in JSON against the schemas that come with the program.
+# Validates JSON results against the schemas shipped with the program.
 #     check_results.py SCHEMAS RESULT.json ...      these results
-#     check_results.py SCHEMAS --run PROGRAM DATA   one result of every kind, computed here
+#     check_results.py SCHEMAS --run PROGRAM DATA   computes and checks one result of every kind
 import json
 import pathlib
 import subprocess
@@ -58,7 +58,7 @@ with tempfile.TemporaryDirectory() as folder:
     found = [fault for file in files for fault in faults(file)]
     seen = {json.loads(pathlib.Path(file).read_text())["schema"] for file in files}
 if sys.argv[2] == "--run":
-    missing = set(schemas) - seen - {"graze.reproduce/1"}  # which takes minutes
+    missing = set(schemas) - seen - {"graze.reproduce/1"}  # it takes minutes
     found += ["no result of " + name for name in sorted(missing)]
 print("\n".join(found[:50]) or "{} results are as their schemas say".format(len(files)))
 sys.exit(bool(found))

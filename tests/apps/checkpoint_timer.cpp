@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CheckpointTimer: how long they are by the clock, and that what they keep meanwhile is what an interruption would have kept.
+// CheckpointTimer: the lengths of the checkpoint intervals, and the checkpoints of the commands. A checkpoint must hold the
+// same result as an interruption.
 #include "graze_program.hpp"
 
 #include <graze/apps/console/checkpoint_timer.hpp>
@@ -27,15 +28,14 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Without it a stint is longer than a test.
-struct ShortStints {
+/// Sets the interval to zero; the usual one is longer than a test.
+struct ZeroInterval {
   double usual = interval_length();
-  ShortStints() { set_interval_length(0.0); }
-  ~ShortStints() { set_interval_length(usual); }
+  ZeroInterval() { set_interval_length(0.0); }
+  ~ZeroInterval() { set_interval_length(usual); }
 };
 
-/// Runs a command and collects what stands in the JSON file of its folder meanwhile, as kill -9 would leave it: every version
-/// that is seen.
+/// Runs a command and collects every version of the JSON file in its folder during the run, as kill -9 would leave it.
 std::set<std::string> versions_while(const std::string& file, const std::function<void()>& run) {
   std::set<std::string> seen;
   std::atomic<bool> done = false;
@@ -51,11 +51,11 @@ std::set<std::string> versions_while(const std::string& file, const std::functio
   return seen;
 }
 
-/// Arguments of a process of its own, which is this program again; and the test case there that runs them.
+/// Environment variable with the arguments of a child process, which is this test program, and the test case that runs them.
 constexpr const char* arguments_of_child = "GRAZE_TEST_ARGUMENTS";
-constexpr const char* child = "a command in a process of its own with the shortest stints";
+constexpr const char* child = "a command in a child process with a checkpoint interval of zero";
 
-/// Runs a command so, and kills the process as soon as it has left a further part of its result. False: it came to its end.
+/// Runs a command in a child process and kills it as soon as it has written a further part of its result. False: it finished.
 bool kill_on_its_way(const std::vector<std::string>& arguments, const std::string& file) {
   std::string text;
   for (const std::string& argument : arguments) text += argument + "\n";
@@ -70,7 +70,7 @@ bool kill_on_its_way(const std::vector<std::string>& arguments, const std::strin
   return outcome.code == -SIGKILL;
 }
 
-/// The command is killed, and killed again when it goes on; then it comes to the same end as one that was left alone.
+/// Kills the command, resumes it, kills it again and resumes it. The final result must equal that of an undisturbed run.
 void check_killed(const std::vector<std::string>& arguments, const std::string& command) {
   const TemporaryFolder folder;
   const std::string whole = folder.file("whole"), out = folder.file("out"), file = out + "/" + command + ".json";
@@ -83,7 +83,7 @@ void check_killed(const std::vector<std::string>& arguments, const std::string& 
   REQUIRE(kill_on_its_way(with("--out", out), file));
   for (int k = 0; k < 2; ++k) {
     const Json left = Json::parse(read_file(file), nullptr, false);
-    REQUIRE_FALSE(left.is_discarded());  // never half a file
+    REQUIRE_FALSE(left.is_discarded());  // never an incomplete file
     CHECK(left["status"] == "interrupted");
     if (k == 0) REQUIRE(kill_on_its_way(with("--resume", out), file));
   }
@@ -97,12 +97,12 @@ void check_killed(const std::vector<std::string>& arguments, const std::string& 
       INFO(name);
       if (name.ends_with(".json") || name.ends_with(".csv")) CHECK(read_file(out + "/" + name) == read_file(entry.path()));
     }
-  // What was being written is gone.
+  // Temporary files of interrupted writes are removed.
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(out))
     CHECK(std::filesystem::exists(whole + "/" + entry.path().filename().string()));
 }
 
-/// The command with --out keeps parts on its way, comes to the same end as without stints, and so does --resume from each part.
+/// The command with --out writes checkpoints and gives the same result as without. So does --resume from each checkpoint.
 void check_kept(const std::vector<std::string>& arguments, const std::string& command) {
   const TemporaryFolder folder;
   const auto with = [&](const std::string& option, const std::string& name) {
@@ -118,7 +118,7 @@ void check_kept(const std::vector<std::string>& arguments, const std::string& co
   const std::string file = folder.file("kept/" + command + ".json");
   std::set<std::string> parts;
   {
-    const ShortStints checkpoints;
+    const ZeroInterval checkpoints;
     parts = versions_while(file, [&] { CHECK(call(with("--out", "kept")).code == 0); });
   }
   CHECK(read_file(file) == whole);
@@ -128,7 +128,7 @@ void check_kept(const std::vector<std::string>& arguments, const std::string& co
   std::map<bool, std::size_t> resumed;
   for (const std::string& part : parts) {
     const Json json = Json::parse(part, nullptr, false);
-    REQUIRE_FALSE(json.is_discarded());  // never half a file
+    REQUIRE_FALSE(json.is_discarded());  // never an incomplete file
     CHECK(json["status"] == "interrupted");
     CHECK_THAT(json["message"].get<std::string>(), Contains("kept") && Contains("while it went on"));
     const bool in_skeleton = json.contains("parts") && json["parts"]["skeleton"] != "done";
@@ -144,7 +144,7 @@ void check_kept(const std::vector<std::string>& arguments, const std::string& co
 
 }  // namespace
 
-TEST_CASE("a stint is over with the first news after its time, and long against what its end costs") {
+TEST_CASE("a checkpoint interval ends with the first result after its length and is long relative to the cost of its end") {
   double now = 100.0;
   CheckpointTimer checkpoints(30.0, CheckpointTimer::End::stops, [&] { return now; });
   const auto news_at = [&](double time) {
@@ -153,28 +153,28 @@ TEST_CASE("a stint is over with the first news after its time, and long against 
     return checkpoints.over();
   };
   checkpoints.begin(0);
-  CHECK_FALSE(news_at(129.0));  // its first piece: nothing was lost before it
+  CHECK_FALSE(news_at(129.0));  // its first result: nothing was lost before it
   CHECK(news_at(130.5));
-  // Ending it took 4 s, writing included: the next one is twenty times as long.
+  // The end took 4 s, writing included: the next interval is twenty times as long.
   now = 134.5;
   checkpoints.begin(5);
   CHECK_FALSE(checkpoints.over());
   CHECK_FALSE(news_at(135.5));
   CHECK_FALSE(news_at(214.0));
   CHECK(news_at(214.5));
-  // Its first piece took 10 s, part of which the last stint had lost.
+  // The first result took 10 s, part of which was lost at the end of the last interval.
   checkpoints.begin(9);
   CHECK_FALSE(news_at(224.5));
   CHECK_FALSE(news_at(414.0));
   CHECK(news_at(414.5));
-  // That kept nothing new: the next one is twice as long.
+  // That interval kept nothing new: the next one is twice as long.
   checkpoints.begin(9);
   CHECK_FALSE(news_at(415.0));
   CHECK_FALSE(news_at(814.0));
   CHECK(news_at(814.5));
 }
 
-TEST_CASE("a stint at whose end nothing stops is as long as its length, and long against the writing alone") {
+TEST_CASE("a checkpoint interval that stops no computation has its length and is long relative to the writing alone") {
   double now = 0.0;
   CheckpointTimer checkpoints(30.0, CheckpointTimer::End::goes_on, [&] { return now; });
   checkpoints.begin(0);
@@ -194,7 +194,7 @@ TEST_CASE("a stint at whose end nothing stops is as long as its length, and long
   CHECK(checkpoints.over());
 }
 
-TEST_CASE("without a length there is one stint") {
+TEST_CASE("without a length there is one checkpoint interval") {
   double now = 0.0;
   CheckpointTimer checkpoints(std::nullopt, CheckpointTimer::End::stops, [&] { return now; });
   checkpoints.begin(0);
@@ -202,9 +202,9 @@ TEST_CASE("without a length there is one stint") {
   CHECK_FALSE(checkpoints.over());
 }
 
-TEST_CASE("a command in a process of its own with the shortest stints", "[.]") {
+TEST_CASE("a command in a child process with a checkpoint interval of zero", "[.]") {
   const char* const text = std::getenv(arguments_of_child);
-  if (text == nullptr) return;  // it is run by others
+  if (text == nullptr) return;  // only other tests run it
   std::istringstream lines(text);
   std::vector<std::string> arguments;
   for (std::string line; std::getline(lines, line);) arguments.push_back(line);
@@ -238,29 +238,25 @@ const std::vector<std::string> diagram = {problem("newton-elastic"),
 
 }  // namespace
 
-TEST_CASE("a sweep keeps what it has while it goes on, from where another goes on to the last bit") {
-  check_kept(sweep, "sweep");
-}
+TEST_CASE("a sweep writes checkpoints from which a run continues with identical bits") { check_kept(sweep, "sweep"); }
 
-TEST_CASE("attractors keeps what it has while it goes on, from where another goes on to the last bit") {
+TEST_CASE("attractors writes checkpoints from which a run continues with identical bits") {
   check_kept(attractors, "attractors");
 }
 
-TEST_CASE("a diagram keeps what it has while it goes on, from where another goes on to the last bit") {
-  check_kept(diagram, "diagram");
-}
+TEST_CASE("a diagram writes checkpoints from which a run continues with identical bits") { check_kept(diagram, "diagram"); }
 
-TEST_CASE("a sweep that is killed goes on to the last bit") {
+TEST_CASE("a sweep that is killed continues with identical bits") {
   std::vector<std::string> longer = sweep;
   *std::find(longer.begin(), longer.end(), "0.0005") = "0.00005";
   check_killed(longer, "sweep");
 }
 
-TEST_CASE("attractors that is killed goes on to the last bit") {
+TEST_CASE("attractors that is killed continues with identical bits") {
   std::vector<std::string> longer = attractors;
   longer.insert(longer.end(), {"--x=-2:1.9:400", "--v=-2:2:400"});
   std::erase_if(longer, [](const std::string& one) { return one.ends_with(":200"); });
   check_killed(longer, "attractors");
 }
 
-TEST_CASE("a diagram that is killed goes on to the last bit") { check_killed(diagram, "diagram"); }
+TEST_CASE("a diagram that is killed continues with identical bits") { check_killed(diagram, "diagram"); }

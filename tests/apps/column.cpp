@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lists of columns: what follows from one.
+// Lists of columns, and the formats that follow from them.
 #include "json_schema.hpp"
 
 #include <graze/apps/text/column.hpp>
@@ -64,7 +64,7 @@ Thing thing() { return {0.1, std::nullopt, Colour::green, Vector{{1.0, -1e-300}}
 
 }  // namespace
 
-TEST_CASE("columns: JSON as a tree and as a text are the same, and are read back") {
+TEST_CASE("columns: JSON as a tree and as a text are the same and are read back") {
   Thing one = thing();
   for (const char* note : {"", "as new"}) {
     one.note = note;
@@ -82,7 +82,7 @@ TEST_CASE("columns: JSON as a tree and as a text are the same, and are read back
   }
 }
 
-TEST_CASE("columns: what is missing or of another kind is refused") {
+TEST_CASE("columns: missing members and wrong types are refused") {
   for (const char* name : {"length", "mass", "colour", "place", "roots", "parts"}) {
     INFO(name);
     Json json = json_of(thing());
@@ -99,7 +99,7 @@ TEST_CASE("columns: what is missing or of another kind is refused") {
   CHECK(value_of<Thing>(json).twice() == 4);
 }
 
-TEST_CASE("columns: a schema knows the members, their units, and which of them may be missing") {
+TEST_CASE("columns: a schema has the members, their units, and the optional ones") {
   const Json schema = schema_of(thing_columns());
   CHECK(schema_faults(json_of(thing()), schema).empty());
   CHECK(schema["properties"]["length"]["unit"] == "m");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the commands give: numbers, JSON as CLI.md has it, tables, pictures.
+// Results of the commands: numbers, JSON as described in CLI.md, tables, pictures.
 #include "graze_program.hpp"
 
 #include <graze/apps/commands/command.hpp>
@@ -20,7 +20,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The JSON of a command that must go well, with nothing but JSON on stdout.
+/// The JSON of a command that must succeed, with nothing else on stdout.
 Json json_of(std::vector<std::string> arguments, int code = 0) {
   arguments.insert(arguments.end(), {"--json", "-", "--quiet"});
   const Outcome outcome = call(arguments);
@@ -36,7 +36,7 @@ double error(const Json& given, double value) { return std::abs(given.get<double
 
 }  // namespace
 
-TEST_CASE("every command has help with an example that it understands") {
+TEST_CASE("every command has help with a valid example") {
   CHECK(commands().size() >= 8);
   for (const Command& command : commands()) {
     INFO(command.name);
@@ -49,7 +49,7 @@ TEST_CASE("every command has help with an example that it understands") {
 }
 
 TEST_CASE("orbit finds the published damped-Hertz orbit") {
-  // State and multipliers at eta = 0.925, measured independently in extended precision (12 and 11 digits).
+  // State and multipliers at eta = 0.925, computed independently in extended precision (12 and 11 digits).
   const Json result = json_of({"orbit", problem("hertz-damped"), "--set", "eta=0.925"});
   CHECK(result["schema"] == "graze.orbit/1");
   CHECK(result["status"] == "done");
@@ -112,7 +112,7 @@ TEST_CASE("search returns all orbits of a period and the first is the orbit") {
   for (const Json& orbit : result["orbits"]) CHECK(orbit["period"] == 1);
 }
 
-TEST_CASE("a result says what it was asked and can be recomputed from that") {
+TEST_CASE("a result records its input and can be recomputed from it") {
   const Json result = json_of({"orbit", problem("hertz-damped"), "--set", "eta=0.93", "--start", "0.5,-1", "--settle", "200"});
   CHECK(result["options"]["start"] == Json({0.5, -1.0}));
   CHECK(result["options"]["settle"] == 200);
@@ -167,7 +167,7 @@ TEST_CASE("continue follows the branch and locates the published period doubling
   CHECK(found);
 }
 
-TEST_CASE("where an orbit sticks, the branch says so, and so does what is drawn from it") {
+TEST_CASE("a branch reports sticking orbits and so does its picture") {
   const TemporaryFolder folder;
   const Outcome outcome = call({"continue", problem("newton-elastic"), "--set", "k_r=0.5", "--set", "r=0.5", "--from", "0.4",
                                 "--to", "0.41", "--json", folder.file("b.json"), "--all"});
@@ -204,13 +204,13 @@ TEST_CASE("locate finds one period doubling to full precision") {
   CHECK(point["details"].contains("criticality"));
 }
 
-TEST_CASE("locate says what it met where there is no such point") {
+TEST_CASE("locate reports the points that it met if there is none of the requested type") {
   const Outcome outcome = call({"locate", problem("hertz-damped"), "--type", "NS", "--near", "0.94", "--reach", "0.005"});
   CHECK(outcome.code == 1);
   CHECK_THAT(outcome.err, Contains("no NS"));
 }
 
-TEST_CASE("verify agrees with itself") {
+TEST_CASE("verify agrees for a correct orbit") {
   const Json result = json_of({"verify", problem("hertz-damped"), "--set", "eta=0.925"});
   CHECK(result["schema"] == "graze.verify/1");
   CHECK(result["agrees"] == true);
@@ -222,18 +222,18 @@ TEST_CASE("verify agrees with itself") {
   }
 }
 
-TEST_CASE("trajectory: its picture has smooth contacts, however few its samples are") {
+TEST_CASE("trajectory: its picture has smooth contacts even for a few samples") {
   const Json result = json_of({"trajectory", problem("hertz-damped"), "--periods", "3", "--samples", "20"});
   REQUIRE(result["samples"].size() == 61);
   const Picture picture = picture_of(result, "phase");
   const auto& points = picture.curves.front().points;
   CHECK(points.size() > 7000);
-  double widest = 0.0;  // way from point to point
+  double widest = 0.0;  // distance between neighbouring points
   for (std::size_t i = 1; i < points.size(); ++i)
     widest = std::max(widest, std::hypot(points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1]));
   CHECK(widest < 0.05);
   CHECK(points.back()[0] == result["samples"].back()[1]);
-  // Of very many periods the samples are drawn as they are.
+  // For very many periods the samples are drawn as they are.
   Json long_run = result;
   long_run["periods"] = 1000000;
   CHECK(picture_of(long_run, "phase").curves.front().points.size() < 100);
@@ -251,7 +251,7 @@ TEST_CASE("trajectory gives samples and contacts") {
   for (const Json& row : result["samples"]) CHECK(row[1].get<double>() <= 2.0);
 }
 
-TEST_CASE("poincare gives as many points as asked for") {
+TEST_CASE("poincare gives the requested number of points") {
   const Json strobe = json_of({"poincare", problem("newton-elastic"), "--set", "eta=0.711", "--points", "73", "--settle", "10"});
   CHECK(strobe["schema"] == "graze.poincare/1");
   CHECK(strobe["points"].size() == 73);
@@ -265,13 +265,13 @@ TEST_CASE("poincare gives as many points as asked for") {
   }
 }
 
-TEST_CASE("an impact section without impacts ends and says so") {
+TEST_CASE("an impact section without impacts ends and reports this") {
   const Outcome outcome = call({"poincare", problem("hertz-damped"), "--set", "r=100", "--section", "impact", "--settle", "0"});
   CHECK(outcome.code == 1);
   CHECK_THAT(outcome.err, Contains("no impact in the last 1000 forcing periods"));
 }
 
-TEST_CASE("models lists what problem files may name") {
+TEST_CASE("models lists the names allowed in problem files") {
   const Outcome text = call({"models"});
   CHECK(text.code == 0);
   CHECK_THAT(text.out, Contains("cantilever") && Contains("newton") && Contains("k_r") && Contains("[0, 1]") &&
@@ -279,7 +279,7 @@ TEST_CASE("models lists what problem files may name") {
   const Json json = Json::parse(call({"models", "--json", "-"}).out);
   CHECK(json["schema"] == "graze.models/1");
   CHECK(json["contact_laws"].size() >= 3);
-  // It is what the others keep to.
+  // The other commands use the same limit.
   const double smallest = json["smallest_eta"];
   CHECK(call("orbit", "newton-elastic", {"--set", fmt::format("eta={}", 0.99 * smallest), "--settle", "1"}).code == 2);
 }

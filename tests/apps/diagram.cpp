@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze diagram --skeleton: misuse, what its JSON has, its picture, its independence of the number of threads, Ctrl-C. Whole
-// diagrams are in whole_diagram.cpp.
+// graze diagram --skeleton: misuse, the contents of its JSON, its picture, independence of the number of threads, Ctrl-C.
+// Complete diagrams are tested in whole_diagram.cpp.
 #include "graze_program.hpp"
 
 #include <graze/apps/console/interrupt.hpp>
@@ -40,7 +40,7 @@ std::string misuse(std::vector<std::string> more) {
 
 }  // namespace
 
-TEST_CASE("diagram refuses what it does not understand") {
+TEST_CASE("diagram refuses invalid options") {
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--step", "0.1"}),
              Contains("--step is of the sweeps, which --skeleton leaves out"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--plot-kind", "states"}),
@@ -57,7 +57,7 @@ TEST_CASE("diagram refuses what it does not understand") {
                  Contains(std::string(option) + " " + value) && Contains("whole number >= 1"));
 }
 
-TEST_CASE("diagram gives seeds, branches and how they hang together") {
+TEST_CASE("diagram gives seeds, branches and their relations") {
   const TemporaryFolder folder;
   const std::string picture = folder.file("skeleton.svg");
   const Json result = json_of(small({"--max-period", "4", "--threads", "1", "--plot", picture, "--json", "-"}));
@@ -91,7 +91,7 @@ TEST_CASE("diagram gives seeds, branches and how they hang together") {
     }
   CHECK(born >= 1);
   CHECK(result["cascades"].is_array());
-  // The picture is of the whole, and the same as that drawn afterwards.
+  // The picture shows the whole diagram, and is the same when drawn afterwards.
   const std::string drawn = read_file(picture);
   CHECK_THAT(drawn, Contains("</svg>") && Contains("Skeleton of periodic orbits") && Contains("period 4") && Contains("PD1"));
   CHECK(drawn == draw(picture_of(result, "skeleton"), "svg"));
@@ -101,7 +101,7 @@ TEST_CASE("diagram gives seeds, branches and how they hang together") {
   CHECK(two.out == pretty(result));
 }
 
-TEST_CASE("diagram lists what it did not follow") {
+TEST_CASE("diagram lists the families that it did not follow") {
   const Json result = json_of(small({"--max-period", "2", "--json", "-"}));
   REQUIRE(result["cut_off"].size() == 1);
   CHECK_THAT(result["cut_off"][0]["label"].get<std::string>(), Contains("PD"));
@@ -118,7 +118,7 @@ TEST_CASE("diagram lists what it did not follow") {
     CHECK(std::filesystem::file_size(out + "/" + name) > 0);
 }
 
-TEST_CASE("diagram says how fine it searched and what it left out, which --all keeps") {
+TEST_CASE("diagram reports the fineness of its search and the omitted families which --all keeps") {
   const TemporaryFolder folder;
   const Outcome said = small({"--max-period", "4", "--json", folder.file("some.json")});
   CHECK(said.code == 0);
@@ -139,7 +139,7 @@ TEST_CASE("diagram says how fine it searched and what it left out, which --all k
   CHECK(all["branches"].size() > some["branches"].size());
   CHECK_THAT(said.out, Contains("unstable ones were not (--all)"));
   CHECK_THAT(said_of_all.out, Contains("unstable ones up to period 4 at 7 values"));
-  // The points of the one are among those of the other.
+  // The points of the smaller result are among those of the larger one.
   for (const Json& branch : some["branches"])
     for (const Json& point : branch["special_points"]) {
       if (point["type"] == "EP") continue;
@@ -153,7 +153,7 @@ TEST_CASE("diagram says how fine it searched and what it left out, which --all k
     }
 }
 
-TEST_CASE("Ctrl-C ends a diagram with what is there") {
+TEST_CASE("Ctrl-C ends a diagram with its results so far") {
   const TemporaryFolder folder;
   const Json json = interrupted_json("diagram " + problem("hertz-damped") + " --skeleton --from 0.65 --to 0.95 --threads 1",
                                      folder.file("r.json"), "skeleton");
@@ -161,7 +161,7 @@ TEST_CASE("Ctrl-C ends a diagram with what is there") {
   CHECK(folder.files() == 1);
 }
 
-TEST_CASE("diagram goes on from what an interrupted run has left") {
+TEST_CASE("diagram continues an interrupted run") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
   const Json whole = json_of(small({"--out", out, "--json", "-"}));
@@ -173,7 +173,7 @@ TEST_CASE("diagram goes on from what an interrupted run has left") {
     std::sort(list.begin(), list.end());
     return list;
   };
-  // The first branch as it is, the second broken off, the others not begun.
+  // The first branch is complete, the second is cut off, and the others are missing.
   Json part = Json::parse(read_file(out + "/diagram.json"));
   REQUIRE(part["branches"].size() > 2);
   part["status"] = "interrupted";
@@ -188,7 +188,7 @@ TEST_CASE("diagram goes on from what an interrupted run has left") {
   CHECK(resumed["branches"].size() == whole["branches"].size());
   const std::vector<double> a = values(whole), b = values(resumed);
   REQUIRE(a.size() == b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::abs(a[i] - b[i]) < 1e-11);  // as precise as they are located
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(std::abs(a[i] - b[i]) < 1e-11);  // to the precision of their location
   CHECK(read_file(folder.file("left/diagram.json")).find("\"interrupted\"") == std::string::npos);
 
   const std::vector<std::string> range = {"--skeleton", "--from", "0.743", "--to", "0.747"};
@@ -208,8 +208,8 @@ TEST_CASE("diagram goes on from what an interrupted run has left") {
   CHECK_THAT(refused({"--resume", folder.file("left")}), Contains("branch 1 of the result is damaged"));
 }
 
-TEST_CASE("diagram goes on within its search for seeds, too, and searches nothing twice") {
-  // Interrupted for good before anything is done: the parts of the search are listed, and none of them is done.
+TEST_CASE("diagram also continues within its search for seeds and repeats no part of it") {
+  // Interrupted before the first step: the parts of the search are listed, and none of them is done.
   set_interrupted(true);
   const Outcome stopped = small({"--json", "-"});
   set_interrupted(false);
@@ -224,8 +224,8 @@ TEST_CASE("diagram goes on within its search for seeds, too, and searches nothin
   CHECK_FALSE(whole["seeds"][0].contains("part"));
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.file("left"));
-  // What a run leaves that was interrupted when of the parts those were done that `has` says: here the ways to settle are
-  // one part, and the searches another.
+  // The result of a run that was interrupted with the parts `done` completed. Here all settled seeds belong to one part, and
+  // those of the searches to another.
   const auto resumed = [&](const std::vector<std::size_t>& done, const std::string& dropped = {}) {
     Json part = whole;
     part["status"] = "interrupted";
@@ -253,7 +253,7 @@ TEST_CASE("diagram goes on within its search for seeds, too, and searches nothin
   std::iota(all.begin(), all.end(), std::size_t{0});
   same_seeds(resumed(all));
   same_seeds(resumed({0, 1, 2}));
-  // Known by what is not there: it is not looked for where its part is done, and found again where it is not.
+  // A removed seed shows which parts are repeated: it is missing if its part is done, and found again if it is not.
   const auto settled =
       std::count_if(whole["seeds"].begin(), whole["seeds"].end(), [](const Json& seed) { return seed["origin"] == "settled"; });
   REQUIRE(settled > 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures that are drawn side by side.
+// Pictures that are drawn in parallel.
 #include "graze_program.hpp"
 
 #include <graze/apps/drawing/draw_files.hpp>
@@ -26,7 +26,7 @@ Picture picture_named(const std::string& title) {
 
 }  // namespace
 
-TEST_CASE("pictures drawn side by side are those drawn alone, and one that fails costs no other") {
+TEST_CASE("pictures drawn in parallel equal those drawn alone and a failure affects no other") {
   for (const int threads : {1, 3}) {
     const TemporaryFolder folder;
     std::vector<Drawing> drawings;
@@ -48,7 +48,7 @@ TEST_CASE("pictures drawn side by side are those drawn alone, and one that fails
   }
 }
 
-TEST_CASE("no pictures at all are drawn at once") {
+TEST_CASE("an empty list of pictures is drawn at once") {
   std::ostringstream out, err;
   CHECK(draw_into_files({}, {out, err, false, 2}, [](const std::string& sentence) { FAIL(sentence); }));
 }

@@ -22,7 +22,7 @@ Json with_flow(const std::string& command, std::vector<std::string> options, con
   const Json json = json_of(call(command, id, std::move(options)));
   const Json& given = json["options"];
   if (flow == "automatic") {
-    CHECK_FALSE(given.contains("flow"));  // as in results of before there was a choice
+    CHECK_FALSE(given.contains("flow"));  // as in results from before the option existed
   } else {
     CHECK(given["flow"] == flow);
   }
@@ -36,7 +36,7 @@ void check_same(const Json& a, const Json& b, double margin) {
 
 }  // namespace
 
-TEST_CASE("option --flow: each name carries motions by what it says") {
+TEST_CASE("option --flow: each name selects its method") {
   const Problem hertz = load_problem(problem("hertz-damped"));
   const auto kinds = [&](const std::string& name) {
     std::vector<std::string> list;
@@ -50,12 +50,12 @@ TEST_CASE("option --flow: each name carries motions by what it says") {
   CHECK(kinds("") == fast);
   CHECK(kinds("alone") == fast);
   CHECK(kinds("general") == std::vector<std::string>{"general", "general"});
-  // Motions side by side are those that nothing was asked of.
+  // The default carries motions side by side.
   CHECK(FlowChoice{}.kind() == FlowKind::automatic);
   CHECK(FlowChoice{"alone"}.kind() == FlowKind::alone);
 }
 
-TEST_CASE("option --flow: a sweep finds the same orbits, whatever carries its motions") {
+TEST_CASE("option --flow: a sweep finds the same orbits with every method") {
   const std::vector<std::string> range = {"--from", "0.9", "--to", "0.95", "--step", "0.005"};
   const Json lanes = with_flow("sweep", range, "automatic");
   for (const char* flow : {"alone", "general"}) {
@@ -73,7 +73,7 @@ TEST_CASE("option --flow: a sweep finds the same orbits, whatever carries its mo
   }
 }
 
-TEST_CASE("option --flow: basins and spectra, too") {
+TEST_CASE("option --flow: basins and spectra too") {
   const std::vector<std::string> starts = {"--x", "-2:1.5:5", "--v", "-2:2:5", "--transient", "300"};
   const Json lanes = with_flow("attractors", starts, "automatic");
   for (const char* flow : {"alone", "general"}) {
@@ -82,7 +82,7 @@ TEST_CASE("option --flow: basins and spectra, too") {
     REQUIRE(other["attractors"].size() == lanes["attractors"].size());
     check_same(other["attractors"][0]["exponents"], lanes["attractors"][0]["exponents"], 1e-8);
   }
-  // Chaos: averages agree within their errors, no more.
+  // Chaos: averages agree only within their errors.
   const std::vector<std::string> average = {"--set", "eta=0.711", "--settle", "200", "--periods", "2000"};
   const Json fast = with_flow("lyapunov", average, "alone", "newton-elastic");
   const Json general = with_flow("lyapunov", average, "general", "newton-elastic");
@@ -93,7 +93,7 @@ TEST_CASE("option --flow: basins and spectra, too") {
         6.0 * std::hypot(fast["standard_errors"][0].get<double>(), general["standard_errors"][0].get<double>()));
 }
 
-TEST_CASE("option --flow: a map's points are of it, and its head says so to who goes on with it") {
+TEST_CASE("option --flow: the choice affects the points of a map and its head records it for continuation") {
   const std::vector<std::string> grid = {"--param", "eta:0.9:0.95:3", "--param", "r:1.5:2:2"};
   const Json lanes = with_flow("map", grid, "automatic"), general = with_flow("map", grid, "general");
   CHECK(plan_of(lanes).options.flow.kind == FlowKind::automatic);
@@ -104,7 +104,7 @@ TEST_CASE("option --flow: a map's points are of it, and its head says so to who 
   for (std::size_t row = 0; row < 2; ++row) check_same(a["lambda_1"][row], b["lambda_1"][row], 1e-8);
 }
 
-TEST_CASE("option --flow: what is refused") {
+TEST_CASE("option --flow: invalid choices are refused") {
   const Outcome unknown = call("lyapunov", "hertz-damped", {"--flow", "Alone"});
   CHECK(unknown.code == 2);
   CHECK_THAT(unknown.err, Contains("--flow Alone: must be one of automatic, alone, general (did you mean alone?)"));

@@ -55,12 +55,12 @@ TEST_CASE("pretty JSON is the same JSON") {
   CHECK(Json::parse(pretty(json)) == json);
 }
 
-TEST_CASE("what fits stands on one line of JSON, and so do numbers and texts without end") {
+TEST_CASE("short JSON values and lists of numbers are on one line") {
   const Json fits = {{"a", {1, Json::array({Json::array({2, "x]\\\""})})}}};
   CHECK(pretty(Json{{"fits", fits}}) == "{\n  \"fits\": " + fits.dump() + "\n}\n");
   const std::vector<double> numbers(100, 0.25);
   CHECK(pretty(Json{{"numbers", numbers}}) == "{\n  \"numbers\": " + Json(numbers).dump() + "\n}\n");
-  // 110 letters on a line at most, with the blanks before them, without the name
+  // At most 110 characters on a line, with indentation, without the name.
   for (const std::size_t letters : {96U, 97U}) {
     const Json list = {{{"b", {std::string(letters, 'x')}}}};
     REQUIRE(list.dump().size() == letters + 12);
@@ -74,7 +74,7 @@ TEST_CASE("what fits stands on one line of JSON, and so do numbers and texts wit
   CHECK(pretty(Json(1.5)) == "1.5\n");
 }
 
-TEST_CASE("a result's head names its model and can be turned into a problem again") {
+TEST_CASE("the head of a result names its model and can be turned into a problem again") {
   Problem p = load_problem(problem("beam-newton"));
   apply_settings(p, {"k_r=0.7"});
   const Json head = result_head("orbit/1", "orbit", p, {{"period", 1}});
@@ -97,11 +97,11 @@ TEST_CASE("a CSV table reads back") {
   CHECK_THROWS_WITH(parse_csv("", "t.csv"), Contains("empty"));
 }
 
-TEST_CASE("a table for people has its numbers to the right") {
+TEST_CASE("a table for people has its numbers right-aligned") {
   CHECK(aligned({{"name", "value"}, {{"eta", "0.95"}, {"b", "-1"}}}, 0) == "name  value\neta    0.95\nb        -1\n");
 }
 
-TEST_CASE("a file is written whole or not at all") {
+TEST_CASE("a file is written completely or not at all") {
   const TemporaryFolder folder;
   const std::string file = folder.file("result.json");
   check_writable(file);
@@ -115,7 +115,7 @@ TEST_CASE("a file is written whole or not at all") {
   CHECK(read_file(file) == "through the link");
 }
 
-TEST_CASE("a file that cannot be written is found out before") {
+TEST_CASE("a file that cannot be written is detected before the computation") {
   const TemporaryFolder folder;
   CHECK_THROWS_WITH(check_writable(folder.file("none/result.json")), Contains("there is no folder"));
   CHECK_THROWS_WITH(check_writable(folder.file("")), Contains("it is a folder"));
@@ -125,7 +125,7 @@ TEST_CASE("a file that cannot be written is found out before") {
   CHECK_THROWS_WITH(make_folder(file), Contains("cannot be made as a folder"));
 }
 
-TEST_CASE("a full disk is told in one sentence") {
+TEST_CASE("a full disk is reported in one sentence") {
   const std::optional<std::string> failure = write_whole("/dev/full", "x");
   REQUIRE(failure);
   CHECK_THAT(*failure, Contains("/dev/full: cannot be written: No space left on device"));
@@ -184,7 +184,7 @@ TEST_CASE("very many points are drawn as an image and none is lost") {
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));  // measured: 1 s
 }
 
-TEST_CASE("clouds of dots keep their order where one of them is an image, and wider dots are wider there") {
+TEST_CASE("clouds of dots keep their order where one of them is an image and larger dots are larger there") {
   Picture picture;
   Curve below{.stroke = Stroke::dots, .colour = "#fdae6b", .size = 0.5}, above{.stroke = Stroke::dots, .size = 0.25};
   for (int i = 0; i < 13000; ++i) below.points.push_back({i * 1e-4, std::sin(i), 0.0});
@@ -197,7 +197,7 @@ TEST_CASE("clouds of dots keep their order where one of them is an image, and wi
   CHECK(raster.painted() == 9);
 }
 
-TEST_CASE("the words of labels keep off curves and marks where there is room, and stand on white") {
+TEST_CASE("labels avoid curves and marks where there is room and have a white background") {
   Picture picture;
   picture.x_range = picture.y_range = {{0.0, 1.0}};
   picture.labels.push_back({.x = 0.5, .y = 0.5, .text = "PD1 0.5"});
@@ -217,7 +217,7 @@ TEST_CASE("the words of labels keep off curves and marks where there is room, an
   CHECK(draw(picture, "svg").size() > 2000);
 }
 
-TEST_CASE("the table of a map is no picture, unless columns are named") {
+TEST_CASE("the table of a map is no picture unless columns are named") {
   const Table table{{"layer", "r", "eta", "type", "period", "impacts", "lambda_1", "standard_error", "x", "v"},
                     {{"0", "1", "0.7", "periodic", "1", "1", "-0.05", "0", "0.1", "0.2"},
                      {"0", "1", "0.8", "periodic", "1", "1", "-0.06", "0", "0.3", "0.2"}}};
@@ -225,7 +225,7 @@ TEST_CASE("the table of a map is no picture, unless columns are named") {
   CHECK(picture_of(table, "eta", {"lambda_1"}).curves.size() == 1);
 }
 
-TEST_CASE("an image has four bytes an element, from the lower left corner on") {
+TEST_CASE("an image has four bytes per pixel from the lower left corner on") {
   Raster raster({-1.0, 1.0}, {0.0, 1.0}, 4, 2);
   raster.paint({.stroke = Stroke::dots, .colour = "#102030", .size = 0.1, .points = {{-0.9, 0.1, 0.0}}});
   raster.paint({.stroke = Stroke::dots, .colour = "#fffefd", .size = 0.1, .points = {{0.9, 0.9, 0.0}}});
@@ -239,7 +239,7 @@ TEST_CASE("an image has four bytes an element, from the lower left corner on") {
   CHECK(image.rgba.substr(4 * 7, 4) == "\xff\xfe\xfd\xff");
   CHECK(image.rgba.substr(4, 4 * 6) == std::string(24, '\0'));
 
-  // Cells round 0, 1, 2 and 5, 6, of 266 by 250 elements each; the last one empty.
+  // Cells around 0, 1, 2 and 5, 6, of 266 by 250 pixels each; the last one is empty.
   const Cells cells{{0.0, 1.0, 2.0}, {5.0, 6.0}, {"#010203", "#040506"}, {0, 1, 0, 1, 0, -1}};
   const Image field = image_of(cells);
   CHECK(field.columns == 3 * 266);
@@ -258,7 +258,7 @@ TEST_CASE("an image has four bytes an element, from the lower left corner on") {
   CHECK(field.rgba.size() == 4 * 798 * 500);
 }
 
-TEST_CASE("points of a line that cannot be told apart are left out") {
+TEST_CASE("points of a line that cannot be distinguished are left out") {
   Curve line;
   for (int i = 0; i <= 100000; ++i) line.points.push_back({i * 1e-5, 0.0, 0.0});
   const auto kept = thinned(line, {0.0, 1.0}, {-1.0, 1.0});
@@ -268,7 +268,7 @@ TEST_CASE("points of a line that cannot be told apart are left out") {
   CHECK(kept.back() == line.points.back());
 }
 
-TEST_CASE("tables of graze are drawn as what they are") {
+TEST_CASE("tables of graze are drawn according to their kind") {
   const Table branches{{"branch", "parent", "label", "period", "impacts", "eta", "x", "v", "stable", "admissible"},
                        {{"1", "", "", "1", "1", "0.9", "1", "0", "yes", "yes"},
                         {"1", "", "PD1", "1", "1", "0.85", "1.05", "0", "no", "yes"},
@@ -299,7 +299,7 @@ TEST_CASE("tables of graze are drawn as what they are") {
   CHECK(picture_of(Table{{"x", "v"}, {{"1", "2"}, {"3", "4"}}}, "v", {"x"}).curves.front().stroke == Stroke::dots);
 }
 
-TEST_CASE("tables of attractors are drawn as dots, as the same results in JSON are") {
+TEST_CASE("tables of attractors are drawn as dots like the same results in JSON") {
   const Table sweep{{"eta", "direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"},
                     {{"0.7", "up", "periodic", "2", "1", "-0.05", "-0.05", "1.5", "0.1"},
                      {"0.7", "up", "periodic", "2", "1", "-0.05", "-0.05", "-1.5", "0.2"},
@@ -307,14 +307,14 @@ TEST_CASE("tables of attractors are drawn as dots, as the same results in JSON a
                      {"0.8", "down", "chaotic", "", "", "0.1", "-0.2", "0.6", "0.3"}}};
   const Picture swept = picture_of(sweep);
   CHECK_THAT(swept.x_label, Contains("eta"));
-  REQUIRE(swept.curves.size() == 4);  // of each direction one in the legend, and its dots
+  REQUIRE(swept.curves.size() == 4);  // for each direction one legend entry and its dots
   for (const Curve& curve : swept.curves) CHECK(curve.stroke == Stroke::dots);
   CHECK(swept.curves[0].title == "sweep down");
   CHECK(swept.curves[1].title == "sweep up");
   CHECK(swept.curves[2].points == std::vector<std::array<double, 3>>{{0.8, 0.6, 0.0}});
   CHECK(swept.curves[3].points == std::vector<std::array<double, 3>>{{0.7, 1.5, 0.0}, {0.7, -1.5, 0.0}, {0.8, 0.5, 0.0}});
   REQUIRE(swept.x_range);
-  CHECK((*swept.x_range)[1] < 1.0);  // the dots of the legend are out of sight
+  CHECK((*swept.x_range)[1] < 1.0);  // the dots of the legend lie outside the visible range
   for (const Curve& curve : picture_of(sweep, "eta", {"v"}).curves) CHECK(curve.stroke == Stroke::dots);
 
   const Table starts{{"x", "v", "attractor", "type", "period", "impacts"},
@@ -339,7 +339,7 @@ TEST_CASE("tables of attractors are drawn as dots, as the same results in JSON a
                     Contains("column x has no numbers"));
 }
 
-TEST_CASE("multipliers beyond the picture are not in it") {
+TEST_CASE("multipliers outside the picture are left out") {
   Json result = result_head("branch/1", "continue", load_problem(problem("hertz-damped")), Json::object());
   result["parameter"] = "eta";
   const Json multipliers = {{2.6, 0.0}, {0.5, 0.0}};
@@ -352,18 +352,18 @@ TEST_CASE("multipliers beyond the picture are not in it") {
   CHECK(picture.curves.front().points.front()[0] == 0.5);
 }
 
-TEST_CASE("nouns are counted") {
+TEST_CASE("nouns have singular and plural") {
   CHECK(counted(1, "contact") == "1 contact");
   CHECK(counted(0, "point") == "0 points");
 }
 
-TEST_CASE("a picture's name must have an ending that is known") {
+TEST_CASE("the name of a picture must have a known ending") {
   CHECK_THROWS_WITH(check_picture_file("x.gif"), Contains(".png, .svg or .pdf"));
   CHECK_THROWS_WITH(check_picture_file("x"), Contains(".png, .svg or .pdf"));
   CHECK_NOTHROW(check_picture_file("x.PNG"));
 }
 
-TEST_CASE("a picture that there is none of is refused with what there is") {
+TEST_CASE("an unknown picture is refused with the available ones") {
   CHECK_THROWS_WITH(picture_of(Json{{"a", 1}}), Contains("no \"schema\""));
   CHECK_THROWS_WITH(picture_of(Json{{"schema", "graze.models/1"}}), Contains("graze.models/1") && Contains("graze.branch/1"));
   CHECK_THROWS_WITH(picture_of(Json{{"schema", "graze.branch/1"}}, "brunch"), Contains("did you mean \"branch\""));

@@ -47,7 +47,7 @@ apps::Json json_of(const Outcome& outcome) {
 }
 
 Outcome spawn(const std::string& arguments) {
-  // Redirections in `arguments` win over those of run_shell.
+  // Redirections in `arguments` take precedence over those of run_shell.
   const Outcome outcome = run_shell("'" GRAZE_PROGRAM "' " + arguments);
   std::istringstream words(arguments);
   check_results({std::istream_iterator<std::string>(words), {}}, outcome);
@@ -56,13 +56,13 @@ Outcome spawn(const std::string& arguments) {
 
 namespace {
 
-/// A terminal: what is written to it can be read here.
+/// A terminal whose output can be read here.
 class Terminal {
  public:
   Terminal() : here_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
     if (here_ < 0 || ::grantpt(here_) != 0 || ::unlockpt(here_) != 0) throw std::runtime_error("no terminal can be opened");
     name_ = ::ptsname(here_);
-    there_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);  // lest it be hung up between two writers
+    there_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);  // keeps the terminal open between two writers
   }
   ~Terminal() {
     ::close(there_);
@@ -71,7 +71,7 @@ class Terminal {
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
   const std::string& name() const { return name_; }
-  /// What has come since the last time.
+  /// The output since the last call.
   std::string read() {
     std::string text;
     char buffer[4096];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Running the program in tests: as a function (call) or as a process of its own (spawn); and a folder that is gone afterwards.
+// Runs the program in tests: as a function (call) or as a separate process (spawn). Also: a temporary folder.
 #pragma once
 
 #include <graze/apps/text/json.hpp>
@@ -18,27 +18,27 @@ struct Outcome {
   std::string out, err;
 };
 
-/// run_program within this process. A result that it leaves has to be as its schema says.
+/// run_program within this process. Its result must agree with its schema.
 Outcome call(const std::vector<std::string>& arguments);
 
-/// A command on a problem that is shipped, without progress and notes.
+/// A command on a shipped problem, without progress and notes.
 Outcome call(const std::string& command, const std::string& problem_id, std::vector<std::string> more);
 
-/// What a call that must succeed has put on stdout as JSON.
+/// The JSON on stdout of a call that must succeed.
 apps::Json json_of(const Outcome& outcome);
 
-/// The program as a child process: arguments as a shell understands them, redirections included.
+/// The program as a child process: arguments in shell syntax, with redirections.
 Outcome spawn(const std::string& arguments);
 
-/// Any command of a shell, stdout and stderr caught. `watch` is asked every few milliseconds with the process id for as long as
-/// the command runs, until it says true.
+/// Runs any shell command and captures stdout and stderr. `watch` is called every few milliseconds with the process id, until
+/// it returns true or the command ends.
 Outcome run_shell(const std::string& command, const std::function<bool(pid_t)>& watch = {});
 
-/// The program with a terminal for stderr, where it shows its progress: once that says `sign`, the signal is sent. With a sign
-/// that is empty, it is sent when there is any progress.
+/// Runs the program with a terminal for stderr, where it shows its progress. The signal is sent when the progress contains
+/// `sign`, or, if `sign` is empty, at the first progress.
 Outcome interrupt(const std::string& arguments, const std::string& sign, int signal);
 
-/// The program, interrupted by Ctrl-C at that sign, has ended as it should: with 130, and with what there is as JSON in `file`.
+/// Interrupts the program by Ctrl-C at that sign. It must end with 130 and leave its results so far as JSON in `file`.
 apps::Json interrupted_json(const std::string& arguments, const std::string& file, const std::string& sign);
 
 /// data/problems/<id>.toml

@@ -114,7 +114,7 @@ void check_results(const std::vector<std::string>& arguments, const Outcome& out
 using namespace graze::apps;
 using namespace graze::support;
 
-TEST_CASE("the schemas that come with the program are those that it prints") {
+TEST_CASE("the shipped schemas are those that the program prints") {
   std::size_t kinds = 0;
   for (const char* name : {"orbit", "branch", "diagram"}) CHECK_THAT(call({"schema"}).out, Catch::Matchers::Contains(name));
   for (const Command& command : commands())
@@ -132,7 +132,7 @@ TEST_CASE("the schemas that come with the program are those that it prints") {
   CHECK_THAT(unknown.err, Catch::Matchers::Contains("did you mean \"orbit\""));
 }
 
-TEST_CASE("a result that is not as its schema says is found out") {
+TEST_CASE("a result that violates its schema is detected") {
   Json result = json_of(call("continue", "newton-elastic", {"--from", "0.95", "--to", "0.94", "--json", "-"}));
   CHECK(result_faults(result).empty());
   Json& point = result["branches"][0]["points"][1];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Results held against the schemas that `graze schema` prints.
+// Checks results against the schemas that `graze schema` prints.
 #pragma once
 
 #include "graze_program.hpp"
@@ -11,15 +11,14 @@
 
 namespace graze::support {
 
-/// A sentence on each place of a value that is not as the schema says. Knows the keywords that our schemas use, and throws on any
-/// other.
+/// One sentence for each place where the value violates the schema. Supports the keywords that our schemas use, and throws for
+/// any other.
 std::vector<std::string> schema_faults(const apps::Json& value, const apps::Json& schema, const std::string& place = "$");
 
-/// Of a result, by the schema that it names.
+/// The faults of a result, by the schema that it names.
 std::vector<std::string> result_faults(const apps::Json& result);
 
-/// Fails the test where a result that a run of the program has left on stdout or in a file is not as its schema says. One that
-/// was refused has left none.
+/// Fails the test if a result of the run, on stdout or in a file, violates its schema. A refused run has no result.
 void check_results(const std::vector<std::string>& arguments, const Outcome& outcome);
 
 }  // namespace graze::support

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texts that are handed on while they are being made: of lists on several threads, of JSON without a tree, into files.
+// Texts that are output while they are made: lists on several threads, JSON without a tree, files.
 #include "graze_program.hpp"
 
 #include <graze/apps/console/output_file.hpp>
@@ -21,7 +21,7 @@ using namespace graze::apps;
 using namespace graze::support;
 using Catch::Matchers::Contains;
 
-TEST_CASE("a list that is written item by item is the same text, on any number of threads") {
+TEST_CASE("a list written item by item is the same text on any number of threads") {
   for (const std::size_t size : {0U, 1U, 36U, 37U, 500U}) {
     const LongList list{"list", size, [](std::size_t k, std::string& text) {
                           text += (k % 3 == 0 ? Json::object() : Json{{"k", k}, {"numbers", std::vector<double>(k, 0.1)}}).dump();
@@ -39,7 +39,7 @@ TEST_CASE("a list that is written item by item is the same text, on any number o
   }
 }
 
-TEST_CASE("items of a list are handed on in their order, each once, however long they take") {
+TEST_CASE("items of a list are output in their order and once each for any computing times") {
   for (const std::size_t size : {0U, 1U, 16U, 17U, 5000U})
     for (const int threads : {1, 2, 5}) {
       std::string expected;
@@ -55,7 +55,7 @@ TEST_CASE("items of a list are handed on in their order, each once, however long
     }
 }
 
-TEST_CASE("what a sink or an item throws ends the making of a long text") {
+TEST_CASE("an exception from a sink or an item ends the making of a long text") {
   const auto number = [](std::size_t k, std::string& out) { out += std::to_string(k); };
   const auto refuse_the_later = [](std::size_t k, std::string&) {
     if (k > 1500) throw std::length_error("an item");
@@ -73,7 +73,7 @@ TEST_CASE("what a sink or an item throws ends the making of a long text") {
   }
 }
 
-TEST_CASE("JSON written as a text is what a tree of it is") {
+TEST_CASE("JSON written as text equals the text of its tree") {
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<std::string> texts = {"plain", "a \"b\"\n\\", "z = \u221e/1", ""};
   const std::vector<std::complex<double>> pair = {{0.5, -0.25}, {0.5, 0.25}};
@@ -113,7 +113,7 @@ TEST_CASE("JSON written as a text is what a tree of it is") {
   CHECK(text == tree.dump());
 }
 
-TEST_CASE("numbers in JSON written as a text read back to the same double, and stay doubles") {
+TEST_CASE("numbers in JSON written as text read back to the same double and stay doubles") {
   std::mt19937_64 random(11);
   std::vector<double> numbers = {0.1, 5e-324, std::numeric_limits<double>::max(), -0.0, 1.0, 1e22, 123456789.0, 1e-7};
   for (int i = 0; i < 20000; ++i) {
@@ -162,7 +162,7 @@ TEST_CASE("a row of a sweep reads back from its text") {
   CHECK(back[0].attractor.isolated_impacts == 4);
 }
 
-TEST_CASE("a file is written piece by piece, and is as it was if its text fails") {
+TEST_CASE("a file is written piece by piece and stays as it was if its text fails") {
   const TemporaryFolder folder;
   const std::string file = folder.write("result.json", "before");
   const LongText failing = [](const TextSink& sink) {
@@ -180,7 +180,7 @@ TEST_CASE("a file is written piece by piece, and is as it was if its text fails"
   CHECK_FALSE(write_whole(file, [](const TextSink&) {}));
   CHECK(read_file(file).empty());
   CHECK(folder.files() == 1);
-  // A text whose disk is full is not made to its end.
+  // If the disk is full the rest of the text is not made.
   std::size_t made = 0;
   const LongText endless = [&made](const TextSink& sink) {
     for (; made < 1000; ++made) sink("x");
@@ -191,13 +191,13 @@ TEST_CASE("a file is written piece by piece, and is as it was if its text fails"
   CHECK(made == 0);
 }
 
-TEST_CASE("a file of many megabytes, which goes to the disc while it is made, is whole, or as it was if its text fails") {
+TEST_CASE("a file of many megabytes is complete or stays as it was if its text fails") {
   const TemporaryFolder folder;
   const std::string file = folder.write("result.csv", "before");
   constexpr int pieces = 30, lines = 40000;
   std::string piece;
   for (int k = 0; k < lines; ++k) piece += fmt::format("{},{}\n", k, 7 * k);
-  REQUIRE(pieces * piece.size() > (std::size_t{12} << 20));  // several times what is sent at once
+  REQUIRE(pieces * piece.size() > (std::size_t{12} << 20));  // several times the amount written at once
   const LongText failing = [&piece](const TextSink& sink) {
     for (int k = 0; k < pieces; ++k) sink(piece);
     throw std::runtime_error("interrupted");

@@ -28,7 +28,7 @@ Json spectrum(std::vector<std::string> more, const std::string& id = "hertz-damp
 
 }  // namespace
 
-TEST_CASE("lyapunov on a periodic attractor: the multipliers' exponents, the time average beside them") {
+TEST_CASE("lyapunov on a periodic attractor: the exponents of the multipliers with the time average beside them") {
   const Json json = spectrum({"--set", "eta=0.925"});
   CHECK(json["schema"] == "graze.lyapunov/1");
   CHECK(json["attractor"]["type"] == "periodic");
@@ -43,7 +43,7 @@ TEST_CASE("lyapunov on a periodic attractor: the multipliers' exponents, the tim
   CHECK(json["liouville_residual"].get<double>() < 1e-10);
 }
 
-TEST_CASE("lyapunov in chaos: positive by many standard errors, and a budget that is told") {
+TEST_CASE("lyapunov in chaos: positive by many standard errors and the use of the budget is reported") {
   const Json json = spectrum({"--set", "eta=0.711", "--standard-error", "1e-3"}, "newton-elastic");
   CHECK(json["attractor"]["type"] == "chaotic");
   CHECK(json["attractor"]["period"].is_null());
@@ -57,12 +57,12 @@ TEST_CASE("lyapunov in chaos: positive by many standard errors, and a budget tha
   CHECK_THAT(short_of.out, Contains("averaged over 300 forcing periods"));
 }
 
-TEST_CASE("lyapunov where a direction is forgotten: minus infinity is null in JSON") {
+TEST_CASE("lyapunov for a zero multiplier: minus infinity is null in JSON") {
   const Json json = spectrum({"--set", "k_r=0", "--set", "r=1"}, "newton-elastic");
   CHECK(json["exponents"].back().is_null());
 }
 
-TEST_CASE("lyapunov: an attractor that sticks is called as graze orbit calls it") {
+TEST_CASE("lyapunov: an attractor that sticks has the same label as in graze orbit") {
   const std::vector<std::string> options = {"--set", "k_r=0.5", "--set", "eta=0.3", "--set", "r=0"};
   CHECK_THAT(call("orbit", "newton-elastic", options).out, Contains("z = ∞/1"));
   CHECK_THAT(call("lyapunov", "newton-elastic", options).out, Contains("periodic, z = ∞/1") && Contains("-infinity"));
@@ -74,7 +74,7 @@ TEST_CASE("lyapunov: an attractor that sticks is called as graze orbit calls it"
   CHECK_FALSE(spectrum({"--set", "eta=0.925"})["attractor"].contains("sticking"));
 }
 
-TEST_CASE("lyapunov: an average that was taken on the way to an orbit says so") {
+TEST_CASE("lyapunov: an average taken on the way to an orbit is reported as such") {
   Attractor attractor;
   attractor.type = AttractorType::periodic;
   attractor.period = 34;
@@ -91,7 +91,7 @@ TEST_CASE("lyapunov: an average that was taken on the way to an orbit says so") 
   CHECK_THAT(attractor_text(problem, attractor, 64), !Contains("the way there"));
 }
 
-TEST_CASE("lyapunov over too few periods: standard errors are unknown, not infinite") {
+TEST_CASE("lyapunov over too few periods: standard errors are unknown and not infinite") {
   const TemporaryFolder folder;
   const std::string json = folder.file("a.json"), csv = folder.file("a.csv");
   for (const auto& [id, eta] : {std::pair{"newton-elastic", "eta=0.95"}, {"hertz-damped", "eta=0.72"}}) {
@@ -106,7 +106,7 @@ TEST_CASE("lyapunov over too few periods: standard errors are unknown, not infin
   CHECK(exponent_text(std::nan(""), 2) == "unknown");
 }
 
-TEST_CASE("lyapunov that uses up its budget ends with 0 and says so") {
+TEST_CASE("lyapunov that uses up its budget ends with 0 and reports this") {
   const Outcome outcome = call({"lyapunov", problem("newton-elastic"), "--set", "eta=0.711", "--periods", "300", "--json", "-"});
   CHECK(outcome.code == 0);
   CHECK_THAT(outcome.err, Contains("the budget of 300 forcing periods is used up") && Contains("--periods gives more"));
@@ -116,7 +116,7 @@ TEST_CASE("lyapunov that uses up its budget ends with 0 and says so") {
   CHECK_THAT(result["message"].get<std::string>(), Contains("the budget of 300 forcing periods is used up"));
 }
 
-TEST_CASE("lyapunov refuses what it does not understand") {
+TEST_CASE("lyapunov refuses invalid options") {
   const auto misuse = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"lyapunov", problem("hertz-damped")});
     const Outcome outcome = call(more);

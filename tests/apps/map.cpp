@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze map: what it gives, in all its formats, and what it refuses.
+// graze map: its results in all formats, and misuse.
 #include "graze_program.hpp"
 
 #include <graze/apps/map/map_chunk.hpp>
@@ -35,7 +35,7 @@ std::vector<std::string> with(const std::vector<std::string>& more) {
 
 }  // namespace
 
-TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
+TEST_CASE("map: JSON, table, HDF5 and h5py agree") {
   const TemporaryFolder folder;
   const std::string h5 = folder.file("m.h5"), csv = folder.file("m.csv");
   const Json json =
@@ -56,9 +56,9 @@ TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
   const Table table = parse_csv(read_file(csv), csv);
   REQUIRE(table.rows.size() == 36);
   CHECK(table.columns[1] == "r");
-  CHECK(table.rows[11][6] == Json(json["layers"][1]["lambda_1"][0][5]).dump());  // row by row, and in each layer by layer
+  CHECK(table.rows[11][6] == Json(json["layers"][1]["lambda_1"][0][5]).dump());  // row by row, and within each layer by layer
 
-  // Debian's own python3 has Debian's h5py, if another one comes first on PATH.
+  // Debian's own python3 has Debian's h5py, even if another python3 is first on PATH.
   const Outcome seen =
       run_shell("sh -c 'for python in python3 /usr/bin/python3; do "
                 "$python -c \"import h5py\" 2> /dev/null && exec $python \"$0\" \"$1\"; done; exit 77' '" GRAZE_SOURCE_DIR
@@ -81,7 +81,7 @@ TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
   CHECK(python["r"][0] == 1.9);
   CHECK(python["start"] == Json::parse("[[null, null], [null, null]]"));
   CHECK(python["follow"] == Json({"up", "down"}));
-  CHECK(python["flags"] == Json({{0, 1, 2, 3, 4}, python["names"]}));  // as CF has them
+  CHECK(python["flags"] == Json({{0, 1, 2, 3, 4}, python["names"]}));  // as CF requires
   CHECK(python["filters"] == Json::parse(R"(["gzip", true, [1, 3, 6]])"));
   for (std::size_t layer = 0; layer < 2; ++layer) {
     for (const char* name : {"type", "lambda_1", "standard_error", "state"})
@@ -96,7 +96,7 @@ TEST_CASE("map: JSON, table, HDF5 and h5py tell the same") {
   }
 }
 
-TEST_CASE("map: its points are those of lyapunov at the same parameters") {
+TEST_CASE("map: its points agree with lyapunov at the same parameters") {
   const Json map = json_of(run(with({"--json", "-"})))["layers"][0];
   for (const auto& [row, column] : {std::pair{0, 0}, {1, 3}, {2, 5}}) {
     const std::string eta = fmt::format("eta={}", 0.69 + column * 0.01), r = fmt::format("r={}", 1.9 + row * 0.1);
@@ -105,14 +105,14 @@ TEST_CASE("map: its points are those of lyapunov at the same parameters") {
     CHECK(map["type"][row][column] == one["attractor"]["type"]);
     CHECK(map["period"][row][column] == one["attractor"]["period"]);
     CHECK(map["impacts"][row][column] == one["attractor"]["impacts"]);
-    // Chaotic: two independent averages. Periodic: one orbit, and 1e-9 is what its multipliers leave of Newton's 1e-12.
+    // Chaotic: two independent averages. Periodic: one orbit; Newton's 1e-12 gives its multipliers an error of 1e-9.
     const double error = std::hypot(map["standard_error"][row][column].get<double>(), one["standard_errors"][0].get<double>());
     const double bound = map["type"][row][column] == "chaotic" ? 5.0 * error : 1e-9;
     CHECK(std::abs(map["lambda_1"][row][column].get<double>() - one["exponents"][0].get<double>()) < bound);
   }
 }
 
-TEST_CASE("map: several starts are layers, and a start inside a barrier is a matter of the point") {
+TEST_CASE("map: several starts are layers and a start inside a barrier affects only its point") {
   const std::vector<std::string> options = {"--param", "eta:0.7:0.8:3", "--param", "r:1:3:3", "--start", "0,0",
                                             "--start", "1.5,0.2",       "--json",  "-",       "--set",   "k_r=0.8"};
   const Json json = json_of(run(options, "newton-elastic"));
@@ -124,7 +124,7 @@ TEST_CASE("map: several starts are layers, and a start inside a barrier is a mat
   CHECK(json["layers"][1]["type"][2][0] != "inadmissible");
 }
 
-TEST_CASE("map: pictures have a cell per point and a legend of what occurs") {
+TEST_CASE("map: pictures have a cell per point and a legend of the occurring types") {
   const TemporaryFolder folder;
   const std::string h5 = folder.file("m.h5"), json = folder.file("m.json");
   REQUIRE(run(with({"--follow", "both", "--h5", h5, "--json", json, "--plot", folder.file("m.png")})).code == 0);
@@ -185,7 +185,7 @@ TEST_CASE("map: any layer can be drawn") {
   CHECK_THAT(run(with({"--layer", "0"})).err, Contains("give --plot FILE or --out DIR too"));
 }
 
-TEST_CASE("map: a picture tells what its cells without attractor are") {
+TEST_CASE("map: a picture explains its cells without attractor") {
   Json result =
       json_of(run({"--param", "eta:0.7:0.8:3", "--param", "r:1:3:3", "--start", "1.5,0.2", "--json", "-"}, "newton-elastic"));
   Json& layer = result["layers"][0];
@@ -207,7 +207,7 @@ TEST_CASE("map: a picture tells what its cells without attractor are") {
   }
 }
 
-TEST_CASE("map: the most frequent z have colours of their own, the others are told by period") {
+TEST_CASE("map: the most frequent z have separate colours and the others are coloured by period") {
   std::vector<MapPoint> points;
   for (int impacts = 1; impacts <= 8; ++impacts)
     for (int k = 0; k < 10 - impacts; ++k) {
@@ -235,7 +235,7 @@ TEST_CASE("map: the most frequent z have colours of their own, the others are to
   CHECK(exponents.index(points[0]) != exponents.index(points.back()));
 }
 
-TEST_CASE("map: where the motion sticks, all formats know that the exponent is minus infinity") {
+TEST_CASE("map: for a sticking motion all formats have the exponent minus infinity") {
   const TemporaryFolder folder;
   const std::string h5 = folder.file("m.h5"), json = folder.file("m.json");
   const Outcome outcome = run(
@@ -255,7 +255,7 @@ TEST_CASE("map: where the motion sticks, all formats know that the exponent is m
   }
 }
 
-TEST_CASE("map: no byte of a chunk can change without being noticed") {
+TEST_CASE("map: a change of any byte of a chunk is detected") {
   MapPlan plan;
   plan.problem = make_problem("linear", "hertz");
   plan.grid = {{"eta", 0.7, 0.8, 2}, {"r", 1.0, 2.0, 3}};
@@ -280,7 +280,7 @@ TEST_CASE("map: no byte of a chunk can change without being noticed") {
   CHECK_FALSE(chunk_from(bytes, plan, 42, 0));  // of other rows
 }
 
-TEST_CASE("map: a damaged file is named, with the dataset that is") {
+TEST_CASE("map: a damaged file is named with its damaged dataset") {
   const TemporaryFolder folder;
   const std::string h5 = folder.file("m.h5"), python = "/usr/bin/python3";
   REQUIRE(run(with({"--h5", h5})).code == 0);
@@ -311,7 +311,7 @@ TEST_CASE("map: a damaged file is named, with the dataset that is") {
   CHECK_THAT(plotted(), Contains("its dataset \"attractor\" holds a 200"));
 }
 
-TEST_CASE("map refuses what it does not understand") {
+TEST_CASE("map refuses invalid options") {
   const TemporaryFolder folder;
   const auto misuse = [](const std::vector<std::string>& more, const std::string& id = "hertz-damped") {
     const Outcome outcome = run(more, id);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The HDF5 file of a map, whose cells are compressed here, as the library reads it; the table of all points.
+// The HDF5 file of a map, whose cells are compressed by our code, as the HDF5 library reads it. Also: the table of all points.
 #include "graze_program.hpp"
 
 #include <graze/apps/map/map_file.hpp>
@@ -20,7 +20,7 @@ using namespace graze::support;
 
 namespace {
 
-/// Two layers that fill no row and no column of cells.
+/// Two layers with incomplete cells in the last row and column.
 MapPlan plan_of_cells() {
   MapPlan plan;
   plan.problem = load_problem(problem("hertz-damped"));
@@ -29,7 +29,7 @@ MapPlan plan_of_cells() {
   return plan;
 }
 
-/// Any finite number: many of them do not become shorter.
+/// Any finite number: many of them do not compress.
 double any_number(std::mt19937_64& random) {
   for (;;)
     if (const auto number = std::bit_cast<double>(random()); std::isfinite(number)) return number;
@@ -55,7 +55,7 @@ std::vector<MapPoint> points_of(const MapPlan& plan, int row, int smooth) {
 
 }  // namespace
 
-TEST_CASE("map file: what is written on any number of threads is read back") {
+TEST_CASE("map file: a file written on any number of threads is read back") {
   const TemporaryFolder folder;
   const MapPlan plan = plan_of_cells();
   const Json head = map_head(plan, {});
@@ -80,7 +80,7 @@ TEST_CASE("map file: what is written on any number of threads is read back") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("map file: a cell that does not become shorter stays as it is, for the filters to see") {
+TEST_CASE("map file: a cell that does not compress is stored uncompressed and marked so for the filters") {
   std::mt19937_64 random(1);
   std::string noise(4096, '\0');
   for (char& byte : noise) byte = static_cast<char>(random() & 0xff);
@@ -88,14 +88,14 @@ TEST_CASE("map file: a cell that does not become shorter stays as it is, for the
   CHECK(none.skipped == 2);
   REQUIRE(none.bytes.size() == noise.size());
   CHECK(none.bytes[0] == noise[0]);
-  CHECK(none.bytes[1] == noise[8]);    // the first bytes of all numbers stand first
+  CHECK(none.bytes[1] == noise[8]);    // the first bytes of all numbers are stored first
   CHECK(none.bytes[512] == noise[1]);  // of 512 numbers
   CHECK(zeros.skipped == 0);
   CHECK(zeros.bytes.size() < 50);
   CHECK(hdf5::pack(std::string(4096, '\0'), 8, 4).bytes == zeros.bytes);  // with a compressor that was used before
 }
 
-TEST_CASE("map file: counted on the way, and as a table on any number of threads") {
+TEST_CASE("map file: progress is counted and the table is the same on any number of threads") {
   const MapPlan plan = plan_of_cells();
   const MapRows rows = [&](int row) { return points_of(plan, row, 0); };
   std::vector<MapCounts> counts;
@@ -113,7 +113,7 @@ TEST_CASE("map file: counted on the way, and as a table on any number of threads
   CHECK(one == three);
   const Table table = parse_csv(one, "map");
   REQUIRE(static_cast<double>(table.rows.size()) == plan.points());
-  // Row by row, and in each layer by layer. (layer, r, eta, type, period, impacts, lambda_1, standard_error, x, v)
+  // Row by row, and within each layer by layer. (layer, r, eta, type, period, impacts, lambda_1, standard_error, x, v)
   CHECK(table.rows[0] == std::vector<std::string>{"0", "1", "0.7", "periodic", "1", "0", "-inf", "", "0.25", "0.5"});
   const std::vector<std::string> last = table.rows.back();
   CHECK(last == std::vector<std::string>{"1", "2", "0.8", "periodic", "70", "261", "0.25", "0.25", "0.25", "69.5"});

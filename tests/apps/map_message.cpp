@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Messages between the ranks of a map: what is written is read again, and nothing else is.
+// Messages between the ranks of a map: each message is read back, and invalid ones are refused.
 #include <graze/apps/map/map_message.hpp>
 
 #include <catch2/catch.hpp>
@@ -8,7 +8,7 @@
 
 using namespace graze::apps;
 
-TEST_CASE("messages of a map are read as they are written") {
+TEST_CASE("messages of a map are read back") {
   CHECK(map_message('C', 42) == "C00000042");
   const std::string bytes("12\0x", 4);
   const auto done = map_message('D', 7, bytes), plan = map_message('P', "{}"), failed = map_message('F', "no memory");
@@ -25,7 +25,7 @@ TEST_CASE("messages of a map are read as they are written") {
   }
 }
 
-TEST_CASE("what is no message of a map is refused") {
+TEST_CASE("an invalid message of a map is refused") {
   for (const std::string wrong :
        {"", "X", "E1", "C", "C1", "C0000001", "C-0000001", "C-0000000", "C+0000001", "C 0000001", "Done", "D0000000x"}) {
     INFO(wrong);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze map: runs that are killed, interrupted, damaged and gone on with; threads; ranks. A map has no times in it, so that the
-// same map is the same file, byte by byte.
+// graze map: runs that are killed, interrupted, damaged and resumed; threads; ranks. A map contains no times, so that equal
+// maps are equal files, byte by byte.
 #include "graze_program.hpp"
 
 #include <graze/apps/map/ranks.hpp>
@@ -41,7 +41,7 @@ int chunks(const std::string& out) {
   return count;
 }
 
-/// The map of these options as a file, computed once by one thread.
+/// The file of the map with these options, computed once on one thread.
 const std::string& reference() {
   static const std::string bytes = [] {
     const TemporaryFolder folder;
@@ -53,7 +53,7 @@ const std::string& reference() {
   return bytes;
 }
 
-/// As a finished map should be: identical, and no chunks left behind.
+/// Checks a finished map: identical to the reference, and no chunks left.
 void check_finished(const Outcome& outcome, const std::string& out) {
   INFO(outcome.err);
   CHECK(outcome.code == 0);
@@ -61,7 +61,7 @@ void check_finished(const Outcome& outcome, const std::string& out) {
   CHECK_FALSE(fs::exists(out + "/chunks"));
 }
 
-/// Sends a signal once so many chunks are there, to a process that is looked for before: the run does not wait.
+/// Sends a signal when the folder has `count` chunks. The process is looked up before, so that the run does not wait.
 std::function<bool(pid_t)> after(int count, const std::string& out, int signal, const std::function<pid_t()>& whom = {}) {
   return [=, target = pid_t(0)](pid_t child) mutable {
     if (target <= 0) target = whom ? whom() : child;
@@ -75,11 +75,11 @@ bool have_mpirun() {
   return false;
 }
 
-/// (Open MPI leaves memory behind, of which a build with sanitizers would complain.)
+/// (Open MPI does not free all its memory, which a build with sanitizers would report.)
 const std::string mpirun =
     "env ASAN_OPTIONS=detect_leaks=0 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe ";
 
-/// The process that is this rank of the run that writes to `out`.
+/// The process of this rank in the run that writes to `out`.
 pid_t process_of(int rank, const std::string& out) {
   const std::string variable = fmt::format("OMPI_COMM_WORLD_RANK={}", rank);
   for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
@@ -99,11 +99,11 @@ TEST_CASE("map: two threads give the file of one") {
   check_finished(run_shell(program(options(3) + " --threads 2 --out '" + out + "'")), out);
   CHECK(fs::exists(out + "/map-attractors.png"));
   CHECK(fs::exists(out + "/map-exponent.png"));
-  // Asked to go on, it says that nothing is left, and gives the results again.
+  // If it is resumed, it reports that nothing is left, and prints the results again.
   const Outcome again = run_shell(program(options() + " --resume '" + out + "' --json -"));
   CHECK(again.code == 0);
   CHECK(Json::parse(again.out)["layers"][0]["type"].size() == 16);
-  // Where the problem's file lies, and how its name is written, does not matter.
+  // The place of the problem file and the form of its name do not matter.
   fs::copy_file(problem("hertz-damped"), folder.file("same.toml"));
   std::string renamed = options();
   renamed.replace(renamed.find(problem("hertz-damped")), problem("hertz-damped").size(), folder.file("./same.toml"));
@@ -113,13 +113,14 @@ TEST_CASE("map: two threads give the file of one") {
   CHECK_THAT(other.err, Contains("is of another run: parameters.b is 0.05 there and 0.06 now; give the same"));
 }
 
-TEST_CASE("map: a finished one is replaced on request alone, and its pictures may be drawn later") {
+TEST_CASE("map: a finished one is replaced only on request and its pictures may be drawn later") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
   const auto map = [&](const std::string& more) {
     return run_shell(program("map '" + problem("newton-elastic") + "' --quiet --param eta:0.65:0.95:3 " + more));
   };
-  fs::create_directories(out + "/map-attractors.png");  // a picture that cannot be written is told, and costs nothing else
+  // A picture that cannot be written is reported and affects nothing else.
+  fs::create_directories(out + "/map-attractors.png");
   const Outcome without = map("--param r:1:2:2 --out '" + out + "'");
   CHECK(without.code == 2);
   CHECK_THAT(without.err, Contains("map-attractors.png: cannot be written"));
@@ -136,7 +137,7 @@ TEST_CASE("map: a finished one is replaced on request alone, and its pictures ma
   CHECK_FALSE(fs::exists(out + "/chunks"));
   CHECK(map("--param r:1:3:3 --overwrite --out '" + out + "'").code == 0);
   CHECK(read_file(out + "/map.h5") != first);
-  // The folder is made first, and its map may be named again.
+  // The folder is created first, and the path of its map may be given explicitly.
   const std::string other = folder.file("other");
   CHECK(map("--param r:1:3:3 --out '" + other + "' --h5 '" + other + "/map.h5'").code == 0);
   CHECK(read_file(other + "/map.h5") == read_file(out + "/map.h5"));
@@ -147,10 +148,10 @@ TEST_CASE("map: a finished one is replaced on request alone, and its pictures ma
   }
 }
 
-TEST_CASE("map: killed at any moment, it is gone on with, and the map is the same") {
+TEST_CASE("map: killed at any moment it is resumed and gives the same map") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
-  for (const int enough : {1, 4, 9}) {  // killed three times; one or two rows are in work
+  for (const int enough : {1, 4, 9}) {  // killed three times with one or two rows in work
     const Outcome killed =
         run_shell(program(options() + " --threads 1 " + (enough == 1 ? "--out" : "--resume") + " '" + out + "'"),
                   after(enough, out, SIGKILL));
@@ -159,7 +160,7 @@ TEST_CASE("map: killed at any moment, it is gone on with, and the map is the sam
     CHECK(chunks(out) >= enough);
   }
   const int kept = chunks(out);
-  // A file that was being written, one that was damaged, and one that was cut off.
+  // A partly written file, a damaged one, and a truncated one.
   std::ofstream(out + "/chunks/.000015.chunk.AbCdEf") << "half";
   std::ofstream(out + "/.map.h5.AbCdEf") << "half";
   std::string bytes = read_file(out + "/chunks/000000.chunk");
@@ -174,7 +175,7 @@ TEST_CASE("map: killed at any moment, it is gone on with, and the map is the sam
   CHECK_FALSE(fs::exists(out + "/.map.h5.AbCdEf"));
 }
 
-TEST_CASE("map: rows that are followed are killed and gone on with, many of them in work") {
+TEST_CASE("map: rows that are followed are killed and resumed with many of them in work") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run"), whole = folder.file("whole.h5"),
                     rows = "map '" + problem("hertz-damped") +
@@ -190,7 +191,7 @@ TEST_CASE("map: rows that are followed are killed and gone on with, many of them
   CHECK(read_file(out + "/map.h5") == read_file(whole));
 }
 
-TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
+TEST_CASE("map: Ctrl-C ends it with its results so far and the way to resume") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run"), json = folder.file("part.json");
   const Outcome outcome =
@@ -201,14 +202,14 @@ TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
   CHECK(part["status"] == "interrupted");
   CHECK(part["layers"][0]["type"][0][0] != "not_run");
   CHECK(part["layers"][0]["type"][15][7] == "not_run");
-  // A new map does not begin on top of it, nor does another one go on with it.
+  // A new map is not computed over it, and another map does not resume it.
   const Outcome anew = run_shell(program(options() + " --out '" + out + "'"));
   CHECK(anew.code == 2);
   CHECK_THAT(anew.err, Contains("holds an unfinished map; --resume"));
   const Outcome other = run_shell(program(options() + " --periods 400 --resume '" + out + "'"));
   CHECK(other.code == 2);
   CHECK_THAT(other.err, Contains("run.json is of another run: options.periods is 5000 there and 400 now; give the same"));
-  // Nor do two at a time.
+  // Two runs at a time are refused too.
   std::string second;
   const Outcome first = run_shell(program(options() + " --threads 1 --resume '" + out + "'"), [&](pid_t) {
     if (chunks(out) < 6) return false;
@@ -219,7 +220,7 @@ TEST_CASE("map: Ctrl-C ends it with what there is, and says how to go on") {
   check_finished(first, out);
 }
 
-TEST_CASE("map: interrupted without a folder, it says where its part is") {
+TEST_CASE("map: interrupted without a folder it reports the place of its part") {
   const TemporaryFolder folder;
   const std::string json = folder.file("part.json"), h5 = folder.file("m.h5");
   const Outcome outcome =
@@ -233,9 +234,9 @@ TEST_CASE("map: interrupted without a folder, it says where its part is") {
   CHECK(Json::parse(read_file(json))["status"] == "interrupted");
 }
 
-TEST_CASE("map: a disc that is full is said, and no half file is left") {
+TEST_CASE("map: a full disk is reported and no incomplete file is left") {
   const TemporaryFolder folder;
-  // What a full disc does to a file, an allowance for its size does too.
+  // A limit on the file size has the same effect as a full disk.
   const Outcome outcome =
       run_shell(fmt::format("sh -c \"trap '' XFSZ; ulimit -f 8; exec {} \"",
                             program("map '" + problem("newton-elastic") +
@@ -245,7 +246,7 @@ TEST_CASE("map: a disc that is full is said, and no half file is left") {
   CHECK(folder.files() == 0);
 }
 
-TEST_CASE("map: of several that begin in a folder at once, one goes on and the others say why not") {
+TEST_CASE("map: of several that start in a folder at once one runs and the others give the reason") {
   const TemporaryFolder folder;
   const std::string map = program("map '" + problem("newton-elastic") + "' --param eta:0.65:0.95:60 --param r:1:3:50 --out run");
   std::string script = "cd '" + folder.file(".") + "'\n";
@@ -273,7 +274,7 @@ TEST_CASE("map: two ranks give the file of one process") {
   const std::string out = folder.file("run");
   const Outcome outcome = run_shell(mpirun + "-n 2 " + program(options() + " --out '" + out + "'"));
   check_finished(outcome, out);
-  // Rank 0 alone speaks.
+  // Only rank 0 writes messages.
   const std::size_t place = outcome.out.find("16 values");
   CHECK(place != std::string::npos);
   CHECK(outcome.out.find("16 values", place + 1) == std::string::npos);
@@ -282,21 +283,21 @@ TEST_CASE("map: two ranks give the file of one process") {
   CHECK(run_shell("h5diff '" + folder.file("one.h5") + "' '" + out + "/map.h5'").code == 0);
 }
 
-TEST_CASE("map: a rank that dies ends the run, which can be gone on with") {
+TEST_CASE("map: a rank that dies ends the run and the run can be resumed") {
   if (!have_mpirun()) return;
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
   const Outcome killed = run_shell(mpirun + "-n 2 " + program(options() + " --out '" + out + "'"),
                                    after(3, out, SIGKILL, [&] { return process_of(1, out); }));
   CHECK(killed.code != 0);
-  CHECK_THAT(killed.err, Contains("chunks are finished, --resume " + out + " goes on with them"));  // what rank 0 says
-  CHECK_THAT(killed.err, Contains("rank 1") || Contains("signal 9"));                               // what mpirun says
+  CHECK_THAT(killed.err, Contains("chunks are finished, --resume " + out + " goes on with them"));  // message of rank 0
+  CHECK_THAT(killed.err, Contains("rank 1") || Contains("signal 9"));                               // message of mpirun
   CHECK_FALSE(fs::exists(out + "/map.h5"));
   CHECK(chunks(out) >= 3);
   check_finished(run_shell(mpirun + "-n 3 " + program(options() + " --resume '" + out + "'")), out);
 }
 
-TEST_CASE("a command of one process keeps quiet and to its processors under mpirun") {
+TEST_CASE("a command of one process stays quiet and on its processors under mpirun") {
   if (!have_mpirun()) return;
   const Outcome outcome = run_shell(
       mpirun + "-n 2 " + program("sweep '" + problem("newton-elastic") + "' --from 0.7 --to 0.71 --step 0.005 --quiet"));
@@ -304,7 +305,7 @@ TEST_CASE("a command of one process keeps quiet and to its processors under mpir
   CHECK_THAT(outcome.err, !Contains("TBB"));
 }
 
-TEST_CASE("map: misuse under mpirun is said once, and ends all ranks") {
+TEST_CASE("map: misuse under mpirun is reported once and ends all ranks") {
   if (!have_mpirun()) return;
   for (const std::string wrong : {" --standard-error 0", " --nonsense"}) {
     const Outcome outcome = run_shell(mpirun + "-n 2 " + program(options() + wrong));
@@ -315,7 +316,7 @@ TEST_CASE("map: misuse under mpirun is said once, and ends all ranks") {
   }
 }
 
-TEST_CASE("map: under a launcher, a graze that cannot send messages says so") {
+TEST_CASE("map: under a launcher a graze without MPI reports this") {
   const TemporaryFolder folder;
   fs::copy_file(GRAZE_PROGRAM, folder.file("graze"));  // without its module
   const std::string map = "'" + folder.file("graze") + "' " + options();

@@ -24,14 +24,14 @@ TEST_CASE("numbers are read with fractions and pi and signs") {
   CHECK(std::isinf(*parse_number("1/0")));
 }
 
-TEST_CASE("what is not a number is not read as one") {
+TEST_CASE("invalid numbers are refused") {
   for (const char* text : {"", " ", "x", "1.2.3", "1/", "/2", "2pi", "1 2", "--1", "+-1", "0x10", "1,5", "1e", "3*", "pie"}) {
     INFO(text);
     CHECK(parse_number(text) == std::nullopt);
   }
 }
 
-TEST_CASE("a number that no double holds is told from what is no number") {
+TEST_CASE("a number that no double holds is distinguished from an invalid one") {
   for (const char* text : {"1e400", "-1e400", "1e-400", "2*1e999"}) {
     INFO(text);
     CHECK(parse_number(text) == std::nullopt);
@@ -42,7 +42,7 @@ TEST_CASE("a number that no double holds is told from what is no number") {
   CHECK(no_number("x").find("\"x\" is not a number") == 0);
 }
 
-TEST_CASE("whole numbers are read and others are not") {
+TEST_CASE("integers are read and other numbers are refused") {
   CHECK(parse_count("1000") == 1000);
   CHECK(parse_count("1e3") == 1000);
   CHECK(parse_count("-2") == -2);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Folders of --out and --resume: one run at a time, no run over another, no schema that is not known; names that are not UTF-8.
+// Folders of --out and --resume: one run at a time, no overwriting of another run, no unknown schema. Also: names that are not
+// UTF-8.
 #include "graze_program.hpp"
 
 #include <graze/apps/console/file_lock.hpp>
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Each command that has --out, in as little time as possible.
+/// Each command that has --out, with a short computation.
 const std::vector<std::vector<std::string>> commands_with_out = {
     {"orbit"},
     {"continue", "--to", "0.94"},
@@ -46,7 +47,7 @@ const std::vector<std::string> small_sweep = {"sweep", "--from", "0.9", "--to", 
 
 }  // namespace
 
-TEST_CASE("a folder that holds another run's result is refused by every command, unless with --overwrite") {
+TEST_CASE("a folder with the result of another run is refused by every command unless --overwrite is given") {
   for (const std::vector<std::string>& command : commands_with_out) {
     INFO(command.front());
     const TemporaryFolder folder;
@@ -67,7 +68,7 @@ TEST_CASE("a folder that holds another run's result is refused by every command,
   CHECK_THAT(call("orbit", "newton-elastic", {"--overwrite"}).err, Contains("--overwrite replaces the result in --out DIR"));
 }
 
-TEST_CASE("an unfinished result is not begun anew by a run that does not say so") {
+TEST_CASE("an unfinished result is not overwritten without an option") {
   const TemporaryFolder folder;
   set_interrupted(true);
   CHECK(run_into(small_sweep, folder.file("run")).code == 130);
@@ -87,16 +88,16 @@ TEST_CASE("two runs of a command in one folder do not overwrite each other") {
     const Outcome second = run_into(small_sweep, out);
     CHECK(second.code == 2);
     CHECK_THAT(second.err, Contains(out + ": another graze sweep is at work there; wait for it, or end it"));
-    CHECK(run_into({"orbit"}, out).code == 0);  // another command's files have other names
+    CHECK(run_into({"orbit"}, out).code == 0);  // other commands have other file names
   }
   CHECK_FALSE(fs::exists(lock));
-  // What kill -9 leaves of a lock locks nobody out.
+  // The lock file that kill -9 leaves does not block the folder.
   folder.write("run/.sweep.lock", "");
   CHECK(run_into(small_sweep, out).code == 0);
   CHECK_FALSE(fs::exists(lock));
 }
 
-TEST_CASE("a run that is killed leaves a folder that the next one can have") {
+TEST_CASE("a run that is killed leaves a folder that the next one can use") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run"), lock = out + "/.sweep.lock";
   const std::string program = fmt::format("'{}' sweep '{}' --from 0.7 --to 0.76 --step 0.0000001 --quiet --out '{}'",
@@ -114,7 +115,7 @@ TEST_CASE("a run that is killed leaves a folder that the next one can have") {
   CHECK(run_into(small_sweep, out).code == 0);
 }
 
-TEST_CASE("a schema that is not known is refused by --resume and plot in one sentence") {
+TEST_CASE("an unknown schema is refused by --resume and plot in one sentence") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
   for (const std::vector<std::string>& command : commands_with_out) {
@@ -138,7 +139,7 @@ TEST_CASE("a schema that is not known is refused by --resume and plot in one sen
   }
 }
 
-TEST_CASE("a file name that is not UTF-8 does not cost the JSON") {
+TEST_CASE("a file name that is not UTF-8 does not prevent the JSON") {
   const TemporaryFolder folder;
   const std::string wrong = folder.file("n\xff.toml");
   fs::copy_file(problem("newton-elastic"), wrong);
@@ -156,7 +157,7 @@ TEST_CASE("a file name that is not UTF-8 does not cost the JSON") {
   }
 }
 
-TEST_CASE("a command ends after --time with what there is, and says so") {
+TEST_CASE("a command ends after --time with its results so far and reports this") {
   const TemporaryFolder folder;
   const std::string json = folder.file("r.json");
   const auto timed = [&](const std::string& command, std::vector<std::string> more, const std::string& id = "newton-elastic") {
@@ -164,7 +165,7 @@ TEST_CASE("a command ends after --time with what there is, and says so") {
     more.insert(more.end(), {"--time", "0.2", "--json", json});
     fs::remove(json);
     const Outcome outcome = call(command, id, more);
-    const bool averaged = command == "lyapunov";  // an average is a result, of however many periods
+    const bool averaged = command == "lyapunov";  // an average over any number of periods is a result
     CHECK(outcome.code == (averaged ? 0 : 1));
     CHECK_THAT(outcome.out, Contains("the 0.2 s of --time were used up"));
     if (!averaged) CHECK_THAT(outcome.err, Contains("the 0.2 s of --time were used up"));
@@ -186,7 +187,7 @@ TEST_CASE("a command ends after --time with what there is, and says so") {
            {"--param", "eta:0.65:0.95:900", "--param", "r:1:3:900", "--time", "0.2", "--out", folder.file("map")});
   CHECK(map.code == 1);
   CHECK_THAT(map.err, Contains("the 0.2 s of --time were used up; "));
-  // What has ended in time knows nothing of it.
+  // A run that ends in time is not affected.
   const Json whole = json_of(call("orbit", "hertz-damped", {"--time", "1000", "--json", "-"}));
   CHECK_FALSE(whole.contains("message"));
   for (const char* wrong : {"0", "-1", "nan"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Systems written as text in a problem file: through every command, and against closed forms.
+// Systems as text in a problem file, in every command and against closed forms.
 #include "graze_program.hpp"
 
 #include <graze/apps/problem/shipped.hpp>
@@ -28,7 +28,7 @@ Json result(const std::string& command, const std::string& file, std::vector<std
   return json_of(call(all));
 }
 
-/// A Duffing oscillator before one stop, with a line to replace.
+/// A Duffing oscillator in front of one stop, with an optional replacement of one line.
 std::string duffing(const std::string& replaced = {}, const std::string& by = {}) {
   std::string text = R"([system]
 states  = ["x", "v"]
@@ -60,8 +60,8 @@ reset = "v = -0.8*v"
 }  // namespace
 
 TEST_CASE("a ball on a table, as text: its orbit and its period doubling in closed form") {
-  // cos phi = pi g (1 - e) / (A w^2 (1 + e)); the flight begins with pi g / w; at the doubling sin phi = 2 (1 + e^2) / (1 + e)^2
-  // too.
+  // cos phi = pi g (1 - e) / (A w^2 (1 + e)); the flight begins with pi g / w; at the doubling also sin phi = 2 (1 + e^2) / (1
+  // + e)^2.
   const double e = 0.8, A = 0.4;
   const Json orbit = result("orbit", model("ball-on-table"))["orbit"];
   REQUIRE(orbit["impacts"] == 1);
@@ -117,7 +117,7 @@ TEST_CASE("a rimless wheel, as text: its exponents and its sweep in closed form"
   }
 }
 
-TEST_CASE("autonomous systems, as text, go through every command") {
+TEST_CASE("autonomous systems, as text, run in every command") {
   const TemporaryFolder folder;
   struct Case {
     std::string name, parameter, from, to;
@@ -137,7 +137,7 @@ TEST_CASE("autonomous systems, as text, go through every command") {
         {"poincare", "--points", "8"}};
     for (const std::vector<std::string>& command : commands) {
       INFO(one.name << " " << command.front());
-      // The valve contracts volumes by e^-140 a turn, of which no matrix of doubles keeps the determinant.
+      // The valve contracts volumes by e^-140 a cycle: no matrix of doubles keeps this determinant.
       if (one.name == "relief-valve" && command.front() == "verify") continue;
       std::vector<std::string> all = {command.front(), model(one.name)};
       all.insert(all.end(), command.begin() + 1, command.end());
@@ -164,21 +164,21 @@ TEST_CASE("the system on README's first page gives its resonance curve") {
   const Json& after = curve["branches"][1];
   for (const Json& point : after["special_points"])
     if (point["type"] == "LP") CHECK(std::abs(point["multipliers"][0][0].get<double>() - 1.0) < 1e-6);
-  // Away from the grazing all orbits of the second branch reach the stop, and go less far to the other side than two strokes.
+  // Away from the grazing all orbits of the second branch reach the stop, and move to the other side by less than two strokes.
   for (const Json& point : after["points"]) {
     CHECK(std::abs(point["y"]["max(x)"].get<double>() - 0.6) < 1e-9);
     CHECK(point["y"]["amplitude(x)"].get<double>() < 1.1);
   }
 }
 
-TEST_CASE("a block that dry friction holds has no contact (fixed)") {
+TEST_CASE("a block held by dry friction has no contact (fixed)") {
   const Json orbit = result("orbit", model("block-on-belt"));
   CHECK(orbit["orbit"]["contacts"].empty());
   const auto is_stick = [](const Json& event) { return event["kind"] == "stick"; };
   CHECK(std::count_if(orbit["orbit"]["events"].begin(), orbit["orbit"]["events"].end(), is_stick) == 1);
 }
 
-TEST_CASE("the guide's smooth system without forcing runs as its text says") {
+TEST_CASE("the guide's smooth system without forcing runs as described in its text") {
   const TemporaryFolder folder;
   const std::string guide = read_file(GRAZE_DATA_DIR "/guide/systems.md"), fence = "```toml\n";
   const std::size_t begin = guide.find(fence, guide.find("## Without forcing")) + fence.size();
@@ -201,7 +201,7 @@ TEST_CASE("the guide's smooth system without forcing runs as its text says") {
   }
 }
 
-TEST_CASE("the diagram of an autonomous system is one branch, on which its sweeps lie") {
+TEST_CASE("the diagram of an autonomous system is one branch that contains its sweeps") {
   const TemporaryFolder folder;
   const std::string wheel = model("rimless-wheel");
   const Json diagram =
@@ -230,7 +230,7 @@ TEST_CASE("the diagram of an autonomous system is one branch, on which its sweep
 
 TEST_CASE("a period doubling without forcing is located where the period in returns doubles") {
   const TemporaryFolder folder;
-  // Roessler's oscillator, seen where y rises through 0.
+  // Roessler's oscillator with the section y = 0, y increasing.
   const std::string file = folder.write("roessler.toml", R"toml([system]
 states = ["x", "y", "z"]
 [parameters]
@@ -275,20 +275,20 @@ state = { x = 1, y = 1, z = 0 }
     const std::string c = std::to_string(doubling + beside);
     CHECK(result("lyapunov", file, {"--set", "c=" + c, "--settle", "400"})["attractor"]["period"] == period);
   }
-  // With --duration a run needs no returns, and the same time is the same motion.
+  // With --duration a run needs no returns, and the same time gives the same motion.
   const Json run = result("trajectory", file, {"--duration", "3", "--periods", "4", "--samples", "5"});
   REQUIRE(run["samples"].size() == 21);
   CHECK(run["samples"].back()[0].get<double>() == Approx(3.0).epsilon(1e-14));
 }
 
-TEST_CASE("what an autonomous system has not is said in one sentence") {
+TEST_CASE("properties that an autonomous system lacks are refused in one sentence") {
   const std::string wheel = model("rimless-wheel");
   CHECK_THAT(call({"orbit", wheel, "--search"}).err, Contains("--search is for forced systems; rimless-wheel is autonomous"));
   CHECK_THAT(call({"sweep", wheel, "--from", "0.1", "--to", "0.2", "--step", "0.1"}).err, Contains("--param"));
   CHECK_THAT(call({"poincare", wheel, "--section", "stroboscopic"}).err, Contains("must be one of returns, impact, heel strike"));
   CHECK_THAT(call({"trajectory", model("ball-on-table"), "--duration", "3"}).err,
              Contains("--duration is for systems without forcing"));
-  // Too slow to get over its next spoke: it rocks to rest, and its steps end.
+  // Too slow for the next spoke: it rocks to rest, and its steps end.
   const Outcome stops = call({"poincare", wheel, "--start", "theta=0,w=0.5", "--set", "gamma=0", "--quiet"});
   CHECK(stops.code == 1);
   CHECK_THAT(stops.err, Contains("does not return"));
@@ -346,7 +346,7 @@ when = "r - x"
 }
 
 TEST_CASE("the models of the built-in systems give the digits of the built-in ones") {
-  // The residuals and differences too: they run on the same flows, not on the general one.
+  // The residuals and differences agree too: the models run on the same flows, not on the general one.
   const std::vector<std::pair<std::string, std::string>> models = {{"newton-oscillator", "newton-elastic"},
                                                                    {"hertz-oscillator", "hertz-undamped"},
                                                                    {"damped-hertz-oscillator", "hertz-damped"},
@@ -361,8 +361,9 @@ TEST_CASE("the models of the built-in systems give the digits of the built-in on
   }
 }
 
-TEST_CASE("a body that friction holds after an impact is no complete chatter: its branch goes on through smooth grazings") {
-  // The inner hit, then rest without an event between: counted as a chatter once, and the branch stopped where the rest began.
+TEST_CASE("a body held by friction after an impact is no complete chatter: its branch continues through smooth grazings") {
+  // An impact of the inner mass, then rest without an event between. This once counted as chatter, and the branch stopped
+  // where the rest began.
   const Json rest = result("orbit", GRAZE_SOURCE_DIR "/tests/models/coco-stick-slip.toml")["orbit"];
   CHECK(rest["impacts"] == 1);
   CHECK_FALSE(rest.contains("sticking"));
@@ -377,10 +378,10 @@ TEST_CASE("a body that friction holds after an impact is no complete chatter: it
   CHECK(std::abs(grazing["value"].get<double>() - 0.875176941089) < 1e-11);
 }
 
-TEST_CASE("a determinant of three states that is lost in rounding is not held against Liouville's identity") {
+TEST_CASE("a determinant of three states that is lost to cancellation does not violate Liouville's identity") {
   const Json orbit = result("orbit", model("relief-valve"))["orbit"];
   CHECK(orbit["checks"]["liouville"].is_null());
-  // The small multiplier is known by it all the same: by an independent integration the logarithms add up to -142.404126885.
+  // The small multiplier is still accurate: in an independent integration the logarithms sum to -142.404126885.
   double sum = 0.0;
   for (const Json& number : orbit["multipliers"]) sum += std::log(std::abs(number[0].get<double>()));
   CHECK(sum == Approx(-142.404126885).epsilon(1e-11));
@@ -399,7 +400,7 @@ TEST_CASE("a tied parameter is followed along its path") {
   CHECK_THAT(call({"orbit", file, "--set", "xi=1"}).err, Contains("xi is an expression of other parameters"));
 }
 
-TEST_CASE("a system of four states goes through every command") {
+TEST_CASE("a system of four states runs in every command") {
   const std::string file = model("two-mass-chain");
   const TemporaryFolder folder;
   const std::vector<std::vector<std::string>> commands = {
@@ -426,12 +427,12 @@ TEST_CASE("a system of four states goes through every command") {
     CHECK(json["model"]["system"] == "two-mass-chain");
     CHECK(json["tied"].contains("F"));
   }
-  // The result holds the text of the file: it is all that a picture needs.
+  // The result contains the text of the file: a picture needs nothing else.
   const Outcome drawn = call({"plot", folder.file("orbit/orbit.json"), "-o", folder.file("orbit.svg"), "--quiet"});
   CHECK(drawn.code == 0);
 }
 
-TEST_CASE("every shipped model has an orbit or an attractor, and its derivatives hold") {
+TEST_CASE("every shipped model has an orbit or an attractor with correct derivatives") {
   for (const std::string& name : shipped_models()) {
     INFO(name);
     const Json json = result("orbit", model(name));
@@ -459,7 +460,7 @@ TEST_CASE("states are given by name or by position") {
   CHECK_THAT(call({"orbit", file, "--start", "x=0.7"}).err, Contains("lies inside the barrier"));
 }
 
-TEST_CASE("a mistake in a system is one sentence with its place") {
+TEST_CASE("a mistake in a system gives one sentence with its place") {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& replaced, const std::string& by) {
     const std::string file = folder.write("wrong.toml", duffing(replaced, by));
@@ -486,8 +487,9 @@ TEST_CASE("a mistake in a system is one sentence with its place") {
   CHECK_THAT(error("reset = \"v = -0.8*v\"", "reset = \"x = x + 1\""), Contains("wrong.toml:"));
 }
 
-TEST_CASE("a ball that is released from a moving table does not hit it in the same instant") {
-  // At a whole period it lay at rest, by rounding 2e-15 below the table; it was released there and hit the table with 2e-15.
+TEST_CASE("a ball released from a moving table does not hit it at the same instant") {
+  // At a whole period the ball lay at rest, 2e-15 below the table by rounding. It was released there and hit the table with
+  // speed 2e-15.
   const Json json = result("lyapunov", model("ball"),
                            {"--set", "A=1.75", "--set", "e=0.7", "--set", "omega=1", "--settle", "0", "--start",
                             "1.104530108784059,1.256848145635835", "--periods", "3"});
@@ -512,7 +514,7 @@ TEST_CASE("graze models NAME prints the file of a model") {
   CHECK_THAT(call({"models", "duffing-two-stop"}).err, Contains("did you mean \"duffing-two-stops\"?"));
 }
 
-TEST_CASE("a spring with a damper as a stop takes the energy that its damper turns into heat (fixed)") {
+TEST_CASE("a spring with a damper as a stop takes the energy that its damper dissipates (fixed)") {
   const TemporaryFolder folder;
   const std::string file = folder.write("stop.toml", R"toml([system]
 forcing = "w"
@@ -545,8 +547,8 @@ law = { linear = [40, 3] }
     return value.is_array() ? value[0].get<double>() : value.get<double>();
   };
   CHECK(y("energy_lost") == Approx(kinetic).epsilon(1e-12));
-  // What the force puts in and the free damper does not take goes into the stop, but for what stays in its spring and the other
-  // one.
+  // The work of the force, less the energy lost in the free damper, goes into the stop, except for the energy kept in its
+  // spring and the other one.
   const double taken = (y("mean(v*1.5*cos(w*t))") - y("mean(0.1*v^2)")) * orbit["duration"].get<double>();
   CHECK(taken > 0.0);
   CHECK(std::abs(y("energy_lost") - taken) < 0.2 * taken);
@@ -563,16 +565,16 @@ TEST_CASE("a part of an equation that is not finite at the start or later is nam
     CHECK_THAT(outcome.err, !Contains("another size"));
     return outcome.err;
   };
-  // No start is given: rest.
+  // Without a start: rest.
   CHECK_THAT(refusal("- 0.01/x", {}), Contains("duffing.toml:15:37: the divisor x is zero at t = 0, x = 0, v = 0\n") &&
                                           Contains("\n                                    ^\n"));
   CHECK_THAT(refusal("- log(x)", {}), Contains("duffing.toml:15:32: the logarithm of x, which is 0 at t = 0"));
   CHECK_THAT(refusal("- sqrt(x - r)", {}), Contains("duffing.toml:15:32: the root of x - r, which is -0.6 at t = 0"));
   CHECK_THAT(refusal("- asin(x - 3)", {}), Contains("duffing.toml:15:32: asin(x - 3) is nan, as x - 3 is -3 at t = 0"));
-  // At a start that the command line gives.
+  // At a start from the command line.
   CHECK_THAT(refusal("- 0.01/(x + v)", {"--start", "x=0.2,v=-0.2"}), Contains("the divisor x + v is zero at t = 0, x = 0.2"));
   CHECK_THAT(refusal("- 0.01/(x + v)", {"--start", "0.2,-0.2"}, "trajectory"), Contains("duffing.toml:15:37: the divisor"));
-  // Later: the motion falls through x = 0 with a speed.
+  // Later: the motion passes x = 0 with a speed.
   CHECK_THAT(refusal("+ log(x)", {"--start", "0.3,0"}, "trajectory"),
              Contains("stopped after") && Contains("duffing.toml:15:32: the logarithm of x, which is") && Contains("x = -"));
   CHECK_THAT(refusal("- 0.01/x", {"--start", "0.3,0"}, "lyapunov"),
@@ -592,7 +594,7 @@ TEST_CASE("a part of an equation that is not finite at the start or later is nam
   CHECK_THAT(wall("-0.8*v", "-0.8*v/(x - r)"), Contains("duffing.toml:21:21: the divisor x - r is zero at t = "));
 }
 
-TEST_CASE("states, planes and files that say too little or too much are refused in one sentence (fixed)") {
+TEST_CASE("incomplete or excessive states, planes and files are refused in one sentence (fixed)") {
   const TemporaryFolder folder;
   const std::string file = folder.write("duffing.toml", duffing());
   CHECK_THAT(call({"orbit", file, "--start", "x=0.1,x=0.2"}).err, Contains("--start: x is given twice"));
@@ -605,13 +607,13 @@ TEST_CASE("states, planes and files that say too little or too much are refused 
   const Outcome empty = call({"orbit", folder.write("empty.toml", "")});
   CHECK(empty.code == 2);
   CHECK_THAT(empty.err, Contains("[model]") && Contains("[system]") && Contains("[modes.NAME] or [mechanics]"));
-  // Of states that [start] does not name the start is 0.
+  // A state that [start] does not name is 0.
   const std::string some = folder.write("some.toml", duffing() + "[start]\nstate = { v = 0.25 }\n");
   const Json options = result("trajectory", some, {"--settle", "0"});
   CHECK(options["stroboscopic"][0] == Json({0.0, 0.25}));
 }
 
-TEST_CASE("the section of a forced system by an event has the states right behind it and their phases (fixed)") {
+TEST_CASE("the section of a forced system by an event has the states immediately after it and their phases (fixed)") {
   // Two stops at the same distance: impacts half a period apart, with opposite velocities.
   const TemporaryFolder folder;
   const std::string file =
@@ -639,8 +641,8 @@ TEST_CASE("the section of a forced system by an event has the states right behin
   CHECK_THAT(call({"poincare", file, "--section", "wall"}).err, Contains("must be one of stroboscopic, impact, floor, stop"));
 }
 
-TEST_CASE("results say once that stops are hit together and their order matters (fixed)") {
-  // A bar that falls flat on two stops, and one whose stops lie apart.
+TEST_CASE("results report once that stops are hit together and their order matters (fixed)") {
+  // A bar that falls flat on two stops, and one whose stops differ in height.
   const TemporaryFolder folder;
   const auto bar = [&](const std::string& gap) {
     return folder.write("bar.toml", R"([system]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions followed in a physical quantity (--param omega): the same as in the dimensionless parameters that follow from it.
+// Motions followed in a physical quantity (--param omega), against the corresponding dimensionless parameters.
 #include "graze_program.hpp"
 
 #include <catch2/catch.hpp>
@@ -35,7 +35,7 @@ std::vector<std::pair<std::string, double>> special_points(const Json& branches)
 
 }  // namespace
 
-TEST_CASE("a branch in omega is the branch in eta, at omega = alpha eta") {
+TEST_CASE("a branch in omega is the branch in eta at omega = alpha eta") {
   const TemporaryFolder folder;
   for (const std::string contact : {"newton", "hertz"}) {
     INFO(contact);
@@ -56,7 +56,7 @@ TEST_CASE("a branch in omega is the branch in eta, at omega = alpha eta") {
   }
 }
 
-TEST_CASE("a quantity that several dimensionless parameters depend on changes all of them") {
+TEST_CASE("a quantity with several dependent dimensionless parameters changes all of them") {
   const TemporaryFolder folder;
   // The amplitude a of the base is the length: r = rho/a, k_H ~ sqrt(a), b_H ~ a.
   const std::string file = folder.write("base.toml", shaker("hertz"));
@@ -69,7 +69,7 @@ TEST_CASE("a quantity that several dimensionless parameters depend on changes al
   CHECK(last.at("y").at("max(X)").get<double>() == Approx(orbit.at("orbit").at("y").at("max(X)").get<double>()).epsilon(1e-9));
 }
 
-TEST_CASE("sweeps, maps, locate and verify take physical quantities, and a diagram in one runs in the lanes") {
+TEST_CASE("sweeps, maps, locate and verify take physical quantities and a diagram in one runs in the lanes") {
   const TemporaryFolder folder;
   const std::string file = folder.write("quantities.toml", shaker("hertz"));
   const Json point = result({"locate", file, "--param", "omega", "--type", "PD", "--near", "4.62"});
@@ -87,7 +87,7 @@ TEST_CASE("sweeps, maps, locate and verify take physical quantities, and a diagr
   CHECK(result({"verify", file, "--param", "omega"}).at("status") == "done");
 }
 
-TEST_CASE("a dimensionless parameter that was set may not contradict the quantity that is varied") {
+TEST_CASE("a dimensionless parameter must not contradict the varied quantity") {
   const TemporaryFolder folder;
   const std::string file = folder.write("contradiction.toml", shaker("newton"));
   const Outcome set = call({"continue", file, "--param", "omega", "--set", "eta=0.9", "--to", "4"});

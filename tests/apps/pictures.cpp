@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of much: what is left away so that the rest can be read, and what words stand where.
+// Crowded pictures: omitted elements, and the positions of the words.
 #include <graze/apps/drawing/label_places.hpp>
 #include <graze/apps/drawing/legend.hpp>
 #include <graze/apps/pictures/pictures.hpp>
@@ -18,7 +18,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// So many branches, of periods 1, 2, 3, 1, 2, ..., each with a period doubling.
+/// `count` branches, of periods 1, 2, 3, 1, 2, ..., each with a period doubling.
 Json branches_of(int count) {
   Json result = {
       {"schema", "graze.branch/1"},   {"command", "continue"}, {"model", {{"oscillator", "linear"}, {"contact", "newton"}}},
@@ -53,7 +53,7 @@ std::set<std::string> titles(const Picture& picture) {
 
 }  // namespace
 
-TEST_CASE("a legend of very many curves leaves the sheet to the axes, and says how many it lacks") {
+TEST_CASE("a legend of very many curves leaves room for the axes and gives the number of omitted ones") {
   Picture picture;
   for (int i = 0; i < 200; ++i)
     picture.curves.push_back({.title = fmt::format("curve {}", i), .points = {{0.0, 1.0 * i, 0.0}, {1.0, 2.0, 0.0}}});
@@ -70,22 +70,22 @@ TEST_CASE("a legend of very many curves leaves the sheet to the axes, and says h
   CHECK_THAT(gnuplot_script(picture, "svg"), Contains("'curve 19'") && !Contains(" more'"));
 }
 
-TEST_CASE("the legend of the basins has the rows that its entries take below the axis label") {
-  // Fixed: three entries of this length do not stand side by side, and the second row was printed over the axis label.
+TEST_CASE("the legend of the basins has the rows that its entries need below the axis label") {
+  // Fixed: three entries of this length do not fit side by side, and the second row was printed over the axis label.
   Picture picture;
   for (const char* title : {"z = 56/12: 61.9 ± 0.8 %", "z = 4/1: 38.1 ± 0.8 %"})
     picture.curves.push_back({.title = title, .points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});
   picture.barriers.push_back({.vertical = true, .position = -0.5, .text = "barrier x = r = -0.5"});
   CHECK(legend_of(picture).columns == 2);
   CHECK(legend_of(picture).rows == 2);
-  // So does a long barrier alone; and what is short stands in three columns.
+  // One long barrier entry has the same effect; short entries fit into three columns.
   picture.curves.front().title = "z = 5/2";
   CHECK(legend_of(picture).rows == 1);
   picture.barriers.front().text = "barrier x = r = -0.512345";
   CHECK(legend_of(picture).rows == 2);
 }
 
-TEST_CASE("a barrier is named in the legend, where its words cover nothing") {
+TEST_CASE("a barrier is named in the legend where its words cover nothing") {
   Picture picture;
   picture.curves.push_back({.title = "x", .points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});
   picture.barriers.push_back({.vertical = true, .position = 0.9, .text = "barrier x = r = 0.9"});
@@ -94,14 +94,14 @@ TEST_CASE("a barrier is named in the legend, where its words cover nothing") {
   CHECK_THAT(draw(picture, "svg"), Contains("barrier x = r = 0.9"));
 }
 
-TEST_CASE("words that need no mark have none") {
+TEST_CASE("words without a mark are drawn without one") {
   Picture picture;
   picture.curves.push_back({.points = {{0.0, 1.0, 0.0}, {1.0, 2.0, 0.0}}});
   picture.labels.push_back({.x = 0.5, .y = 1.2, .text = "1/2", .mark = no_mark, .placed = true});
   CHECK_THAT(gnuplot_script(picture, "svg"), Contains("set label '1/2'") && !Contains(" point "));
 }
 
-TEST_CASE("words of a crowd are left away where they would cover others") {
+TEST_CASE("words in a crowd are left out where they would cover others") {
   std::vector<Label> labels;
   for (int i = 0; i < 100; ++i) labels.push_back({.x = 0.5 + 1e-4 * i, .y = 0.5, .text = fmt::format("PD{} 0.5", i)});
   const std::array<double, 2> range = {0.0, 1.0};
@@ -115,7 +115,7 @@ TEST_CASE("words of a crowd are left away where they would cover others") {
   CHECK(count_free(label_places(labels, range, range)) == 3);
 }
 
-TEST_CASE("few branches have colours of their own, many those of their periods") {
+TEST_CASE("a few branches have separate colours and many have those of their periods") {
   CHECK(titles(picture_of(branches_of(3), "branch")) ==
         std::set<std::string>{"branch 1: period 1, stable", "branch 2: period 2, stable", "branch 3: period 3, stable"});
   const Picture many = picture_of(branches_of(40), "branch");
@@ -125,7 +125,7 @@ TEST_CASE("few branches have colours of their own, many those of their periods")
   CHECK(titles(picture_of(branches_of(3), "multipliers")).count("branch 2: period 2") == 1);
 }
 
-TEST_CASE("special points whose multipliers lie in one place have one label") {
+TEST_CASE("special points whose multipliers coincide have one label") {
   const Picture few = picture_of(branches_of(3), "multipliers");
   REQUIRE(few.labels.size() == 1);
   CHECK(few.labels.front().text == "PD1 PD2 PD3");
@@ -142,7 +142,7 @@ TEST_CASE("a table of many branches is drawn in the colours of their periods") {
   CHECK(titles(picture_of(table)) == std::set<std::string>{"period 1, stable", "period 2, stable"});
 }
 
-TEST_CASE("the line of a trajectory is broken where a hard impact turns the velocity over") {
+TEST_CASE("the line of a trajectory is broken where a hard impact reverses the velocity") {
   const Table table{
       {"tau", "x", "v"},
       {{"0", "0.7", "1"}, {"0.1", "0.8", "1.01"}, {"0.2", "0.9", "1.02"}, {"0.3", "0.92", "-1.0"}, {"0.4", "0.8", "-1.01"}}};
@@ -153,13 +153,13 @@ TEST_CASE("the line of a trajectory is broken where a hard impact turns the velo
   REQUIRE(phase.curves.size() == 1);
   CHECK(breaks(phase.curves.front()) == 1);
   CHECK(std::isnan(phase.curves.front().points[3][0]));
-  const Picture time = picture_of(table);  // x goes on where v jumps
+  const Picture time = picture_of(table);  // x is continuous where v jumps
   REQUIRE(time.curves.size() == 2);
   CHECK(breaks(time.curves[0]) == 0);
   CHECK(breaks(time.curves[1]) == 1);
 }
 
-TEST_CASE("of an interrupted skeleton there are no empty pictures, and one line says what was left") {
+TEST_CASE("an interrupted skeleton gives no empty pictures and one line reports the omitted ones") {
   Json result = branches_of(2);
   CHECK(pictures_for(result) == std::vector<std::string>{"branch", "multipliers", "skeleton"});
   result["branches"] = Json::array();
@@ -182,14 +182,14 @@ TEST_CASE("of an interrupted skeleton there are no empty pictures, and one line 
   CHECK(text.find(was_interrupted) == text.rfind(was_interrupted));
 }
 
-TEST_CASE("there are no pictures of an orbit or a point that was not found") {
+TEST_CASE("no pictures are drawn of an orbit or a point that was not found") {
   CHECK(pictures_for({{"schema", "graze.orbit/1"}, {"orbit", nullptr}}).empty());
   CHECK(pictures_for({{"schema", "graze.orbit/1"}, {"orbits", Json::array()}}).empty());
   CHECK(pictures_for({{"schema", "graze.orbit/1"}, {"orbit", {{"period", 1}}}}).size() == 2);
   CHECK(pictures_for({{"schema", "graze.point/1"}, {"special_point", nullptr}}).empty());
 }
 
-TEST_CASE("a kind of picture that there is none of is named in plain order") {
+TEST_CASE("an unknown kind of picture is refused with a sorted list") {
   CHECK_THROWS_WITH(picture_of(branches_of(2), "foo"),
                     "of graze.branch/1 there is no kind of picture \"foo\"; choose one of branch, multipliers, skeleton");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Problem files: what they may say, and the one sentence for each thing they may not.
+// Problem files: their contents, and one sentence for each mistake.
 #include "graze_program.hpp"
 
 #include <graze/apps/problem/problem.hpp>
@@ -50,13 +50,13 @@ TEST_CASE("a problem file is read") {
   CHECK_FALSE(p.converted_from);
 }
 
-TEST_CASE("parameters that a file does not give have their defaults and are named") {
+TEST_CASE("parameters missing from a file have their defaults and are named") {
   const Problem p = parsed(newton + "[parameters]\neta = 0.9\nr = 1\nk_r = 0.8\nb = 0.1\n");
   CHECK(p.defaulted == std::vector<std::string>{"beta", "xi"});
   CHECK(parameter(p, "xi") == 1.0);
 }
 
-TEST_CASE("every problem file that is shipped is read and complete") {
+TEST_CASE("every shipped problem file is read and complete") {
   for (const char* id : {"hertz-damped", "hertz-undamped", "newton-elastic", "beam-hertz", "beam-newton", "beam-linear"}) {
     INFO(id);
     const Problem p = load_problem(problem(id));
@@ -92,7 +92,7 @@ TEST_CASE("physical quantities are converted") {
   CHECK(parameter(beam, "k_S") == Approx(25.0).epsilon(1e-14));
 }
 
-TEST_CASE("a setting of a physical quantity is converted, and leaves the parameters alone that do not depend on it") {
+TEST_CASE("a setting of a physical quantity is converted and leaves independent parameters unchanged") {
   const std::string text = model + "[physical]\nexcitation = \"force\"\nm = 4\nk = 100\nc = 2\nF0 = 4\nomega = 4.75\nrho = 0.08\n"
                                    "k_h = 50000\nb_h = 0.5\n";
   Problem p = parsed(text);
@@ -177,7 +177,7 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
   }
 }
 
-TEST_CASE("a problem file that is not there is refused with the nearest name") {
+TEST_CASE("a missing problem file is refused with the nearest name") {
   CHECK_THROWS_WITH(load_problem(problem("hertz-dampd")), Contains("no such problem file") && Contains("hertz-damped.toml"));
   CHECK_THROWS_WITH(load_problem(GRAZE_DATA_DIR), Contains("is a folder"));
 }
@@ -195,7 +195,7 @@ TEST_CASE("settings override parameters in order") {
   CHECK(parameter(p, "k_r") == 0.5);
 }
 
-TEST_CASE("the start is at rest, at the barrier where 0 lies beyond it") {
+TEST_CASE("the start is at rest at 0 or at the barrier if 0 lies beyond it") {
   Problem p = load_problem(problem("newton-elastic"));
   CHECK(start_state(p, {}) == Vector{{0.0, 0.0}});
   apply_settings(p, {"r=-0.5"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The real program: exit codes, one sentence per mistake, and nothing lost that was computed.
+// The installed program: exit codes, one sentence per mistake, and no loss of computed results.
 #include "graze_program.hpp"
 
 #include <graze/apps/text/json.hpp>
@@ -117,7 +117,7 @@ TEST_CASE("a wrong setting is misuse") {
   CHECK_THAT(misuse("orbit " + newton + " --set nonsense=1"), !Contains("physical"));
 }
 
-TEST_CASE("defaults are noted with what to do for others, and not where a setting gave one") {
+TEST_CASE("defaults are noted with the option for others except where a setting gave a value") {
   const TemporaryFolder folder;
   const std::string file =
       folder.write("p.toml", "[model]\noscillator = \"linear\"\ncontact = \"newton\"\n[parameters]\neta = 0.9\nr = 1\nk_r = 0.8\n"
@@ -128,14 +128,14 @@ TEST_CASE("defaults are noted with what to do for others, and not where a settin
   CHECK_THAT(one, Contains("does not give beta = 0: "));
 }
 
-TEST_CASE("the last of several settings of a parameter holds") {
+TEST_CASE("the last of several settings of a parameter counts") {
   const Outcome outcome = spawn("orbit " + hertz + " --set eta=0.9 --set eta=0.95 --settle 300");
   CHECK(outcome.code == 0);
   CHECK_THAT(outcome.out, Contains("eta = 0.95"));
   CHECK_THAT(spawn("orbit --help").out, Contains("the last one holds"));
 }
 
-TEST_CASE("what would take ages or all memory is refused") {
+TEST_CASE("extreme computing times and memory are refused") {
   for (const char* eta : {"1e-7", "1e-9", "1e-320"})
     for (const char* command : {"orbit ", "orbit --search ", "trajectory ", "poincare "})
       CHECK_THAT(misuse(command + newton + " --set eta=" + eta), Contains("eta is 1e-") && Contains("allowed is >= 0.0001"));
@@ -170,13 +170,13 @@ TEST_CASE("an output is not written over the input or over another output") {
   CHECK(spawn("orbit " + hertz + " --settle 300 --json /dev/null --csv /dev/null").code == 0);
 }
 
-TEST_CASE("an output that is a pipe, by a name that is a link, goes into it") {
+TEST_CASE("an output through a link to a pipe goes into the pipe") {
   const Outcome outcome = run_shell(fmt::format("sh -c \"'{}' models --json /dev/stdout | cat\"", GRAZE_PROGRAM));
   CHECK(outcome.err.empty());
   CHECK_THAT(outcome.out, Contains("graze.models/1"));
 }
 
-TEST_CASE("an output whose name is a link goes where the link points") {
+TEST_CASE("an output whose name is a link goes to the target of the link") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.file("there"));
   for (const char* name : {"old.json", "new.json"})
@@ -206,7 +206,7 @@ TEST_CASE("a name of another kind of file is refused") {
   CHECK_THAT(misuse(map + folder.file("pipe")), Contains("this is a device, a pipe or a folder"));
 }
 
-TEST_CASE("a user value outside the range is warned of") {
+TEST_CASE("a user value outside the range gives a warning") {
   const Outcome outcome = spawn("continue " + hertz + " --to 0.949 --settle 300 --user 5");
   CHECK(outcome.code == 0);
   CHECK_THAT(outcome.err, Contains("--user 5 lies outside 0.95 to 0.949"));
@@ -232,7 +232,7 @@ TEST_CASE("a start inside a hard barrier is misuse") {
   CHECK(spawn("orbit " + hertz + " --start 2.5,0 --settle 300").code == 0);  // a soft one may be entered
 }
 
-TEST_CASE("an output that cannot be written is found out before computing") {
+TEST_CASE("an output that cannot be written is detected before computing") {
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "");
   const std::string long_run = "orbit " + hertz + " --settle 100000000 ";  // would take minutes
@@ -253,7 +253,7 @@ TEST_CASE("on a full disk the result still goes to stdout") {
   CHECK_THAT(outcome.out, Contains("orbit z = 1/1"));
 }
 
-TEST_CASE("a stdout that is full is told") {
+TEST_CASE("a full stdout is reported") {
   for (const std::string& arguments :
        {"orbit " + hertz + " --settle 300 --json -", std::string("--help"), std::string("models")}) {
     const Outcome outcome = spawn(arguments + " > /dev/full");
@@ -262,7 +262,7 @@ TEST_CASE("a stdout that is full is told") {
   }
 }
 
-TEST_CASE("an orbit that does not exist is exit 1 with what was found instead") {
+TEST_CASE("an orbit that does not exist is exit 1 with the orbit found instead") {
   const TemporaryFolder folder;
   const Outcome outcome = spawn("orbit " + hertz + " --set r=100 --period 2 --quiet --json " + folder.file("o.json"));
   CHECK(outcome.code == 1);
@@ -274,10 +274,10 @@ TEST_CASE("an orbit that does not exist is exit 1 with what was found instead") 
   CHECK_THAT(json["message"].get<std::string>(), Contains("no admissible orbit of period 2"));
 }
 
-TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
+TEST_CASE("Ctrl-C keeps the computed results and exits with 130") {
   const TemporaryFolder folder;
   const std::string out = folder.file("r.json");
-  // Each with work for minutes at least, and the first word of its progress.
+  // Each command has work for minutes at least, with the first word of its progress.
   const std::pair<std::string, const char*> commands[] = {
       {"orbit " + hertz + " --settle 100000000", "settling"},
       {"trajectory " + newton + " --settle 0 --set r=0 --periods 2000000 --samples 1", "running"},
@@ -305,11 +305,11 @@ TEST_CASE("Ctrl-C keeps what was computed and exits with 130") {
   CHECK_THAT(search.err, Contains("interrupted after"));
 }
 
-TEST_CASE("whoever asks the program to end, what was computed is kept (under nohup a terminal that closes asks nothing)") {
+TEST_CASE("every request to end keeps the computed results (under nohup a closed terminal is no request)") {
   const TemporaryFolder folder;
   const std::string out = folder.file("r.json");
   const std::string sweep = "sweep " + newton + " --from 0.7 --to 0.76 --step 0.000006 --json " + out;
-  const auto before = std::signal(SIGHUP, SIG_DFL);  // these tests may run under nohup themselves, and hand that on
+  const auto before = std::signal(SIGHUP, SIG_DFL);  // these tests may run under nohup themselves and pass it on
   for (const int signal : {SIGTERM, SIGHUP}) {
     const Outcome outcome = interrupt(sweep, "sweeping", signal);
     CHECK(outcome.code == 130);
@@ -320,7 +320,7 @@ TEST_CASE("whoever asks the program to end, what was computed is kept (under noh
     CHECK_FALSE(json["rows"].empty());
     std::filesystem::remove(out);
   }
-  // What is ignored is handed on to children.
+  // Child processes inherit ignored signals.
   std::signal(SIGHUP, SIG_IGN);
   const Outcome outcome = interrupt(sweep, "sweeping", SIGHUP);
   std::signal(SIGHUP, before);
@@ -328,7 +328,7 @@ TEST_CASE("whoever asks the program to end, what was computed is kept (under noh
   CHECK(Json::parse(read_file(out))["status"] == "done");
 }
 
-TEST_CASE("without gnuplot every command goes on without pictures, and says so where there would be some") {
+TEST_CASE("without gnuplot every command runs without pictures and reports their absence") {
   const TemporaryFolder folder, empty;
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", empty.file("").c_str(), 1);
@@ -352,7 +352,7 @@ TEST_CASE("without gnuplot every command goes on without pictures, and says so w
   CHECK(Json::parse(read_file(folder.file("o.json")))["status"] == "done");
   CHECK(std::filesystem::exists(folder.file("map/map.h5")));
   CHECK_FALSE(std::filesystem::exists(folder.file("o.png")));
-  // It has nothing to go on with.
+  // There is nothing left to do.
   CHECK(plot.code == 2);
   CHECK_THAT(plot.err, Contains("gnuplot, which is not installed"));
   CHECK(folder.files() == 5);
@@ -370,7 +370,7 @@ TEST_CASE("numbers are written before pictures are drawn") {
   CHECK_THAT(read_file(seen), StartsWith("drawing orbit.csv orbit.json\n"));
 }
 
-TEST_CASE("gnuplot does not outlive the program or its patience") {
+TEST_CASE("gnuplot does not outlive the program or its time limit") {
   const bool map = GENERATE(false, true);
   const TemporaryFolder folder;
   const std::string pid_file = folder.file("pid"), path = std::getenv("PATH");
@@ -391,7 +391,7 @@ TEST_CASE("gnuplot does not outlive the program or its patience") {
     if (signal != SIGKILL) CHECK_THAT(outcome.err, Contains("drawing was interrupted"));
     const std::string pid = read_file(pid_file);
     REQUIRE_FALSE(pid.empty());
-    // Gone, or dead and not yet collected by whoever adopted it. The kernel may take a while; the script would take a minute.
+    // Gone, or dead and not yet reaped by its new parent. The kernel may need some time; the script would take a minute.
     const auto is_gone = [stat = "/proc/" + pid.substr(0, pid.find('\n')) + "/stat"] {
       const std::string state = read_file(stat);
       return state.empty() || state.find(") Z ") != std::string::npos;
@@ -403,7 +403,7 @@ TEST_CASE("gnuplot does not outlive the program or its patience") {
   CHECK_FALSE(std::filesystem::exists(folder.file("x.png")));
 }
 
-TEST_CASE("a negative start may stand behind a blank or an equals sign") {
+TEST_CASE("a negative start may follow a blank or an equals sign") {
   const Outcome blank = spawn("orbit " + newton + " --set eta=0.744 --period 4 --start -0.169,-0.962 --json -");
   const Outcome equals = spawn("orbit " + newton + " --set eta=0.744 --period 4 --start=-0.169,-0.962 --json -");
   CHECK(blank.code == 0);

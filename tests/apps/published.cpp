@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Published figures beside computed ones: reading them, judging them, and finding by itself what is wrong in print.
+// Published figures beside computed ones: reading, verdicts, and the detection of errors in print.
 #include "graze_program.hpp"
 
 #include <graze/apps/published/exponents.hpp>
@@ -60,7 +60,7 @@ SweepRow swept(double eta, SweepDirection direction, AttractorType type, int per
 
 }  // namespace
 
-TEST_CASE("the published figures that are shipped are read whole") {
+TEST_CASE("the shipped file of published figures is read completely") {
   const Published published = shipped();
   CHECK(published.exponents.size() == 32);
   CHECK(published.points.size() == 1);
@@ -103,7 +103,7 @@ TEST_CASE("a number agrees with print within half a unit of its last decimal and
   CHECK_FALSE(agrees_with_print(0.015, 0.0, -0.015, 3));
 }
 
-TEST_CASE("what is wrong in print is found: the period doubling, and multipliers of another motion") {
+TEST_CASE("errors in print are found: the period doubling and multipliers of another motion") {
   const Published published = shipped();
   const std::vector<Comparison> rows = compare_point(published, published.points.at(0));
   REQUIRE(rows.size() == 2);
@@ -111,11 +111,11 @@ TEST_CASE("what is wrong in print is found: the period doubling, and multipliers
   CHECK(rows[0].computed.get<double>() == Approx(0.919542643087348).epsilon(1e-12));  // data/reference.toml
   CHECK_THAT(rows[0].remark, Contains("the orbit's first multiplier is -0.99885"));
   CHECK(rows[1].verdict == Verdict::differs);
-  CHECK(rows[1].computed[0][0].get<double>() == Approx(-0.9988).margin(1e-4));  // printed so
+  CHECK(rows[1].computed[0][0].get<double>() == Approx(-0.9988).margin(1e-4));  // as printed
   CHECK_THAT(rows[1].remark, Contains("those of the motion without impact"));
 }
 
-TEST_CASE("what is wrong in print is found: motion called impactless above its grazing") {
+TEST_CASE("errors in print are found: motion called impactless above its grazing") {
   const Published published = shipped();
   const Comparison there = compare(published, row_of(published, "4a", 0.696));
   CHECK(there.verdict == Verdict::agrees);
@@ -126,7 +126,7 @@ TEST_CASE("what is wrong in print is found: motion called impactless above its g
   CHECK_THAT(above.remark, Contains("no motion without impact exists above eta = 0.710687369"));
 }
 
-TEST_CASE("what is wrong in print is found: a lost sign, and how far eta would have to move") {
+TEST_CASE("errors in print are found: a lost sign and the change of eta that would explain a value") {
   Published published = shipped();
   PublishedExponents item = row_of(published, "12b", 0.733);
   CHECK(compare(published, item).verdict == Verdict::agrees);
@@ -146,7 +146,7 @@ TEST_CASE("what is wrong in print is found: a lost sign, and how far eta would h
   CHECK(moved.details.at("nearest_bifurcation").at("type") == "PD");
 }
 
-TEST_CASE("a chaotic row says by how much the source's rule scatters") {
+TEST_CASE("a chaotic row reports the scatter of the source's rule") {
   const Published published = shipped();
   const Comparison row = compare(published, row_of(published, "11b", 0.711));
   CHECK(row.verdict == Verdict::agrees);
@@ -182,7 +182,7 @@ TEST_CASE("windows of a diagram are judged value by value") {
   for (const Comparison& row : compare_windows(all)) CHECK(row.verdict == Verdict::differs);
 }
 
-TEST_CASE("on the published systems the short-cuts reach the attractor that plain simulation reaches") {
+TEST_CASE("on the published systems the shortcuts reach the attractor of plain simulation") {
   const Published published = shipped();
   AttractorOptions options;
   options.periods_on_orbit = 0;

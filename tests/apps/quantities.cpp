@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// --y: quantities of orbits, branches and attractors against closed forms, in every place where they are written.
+// --y: quantities of orbits, branches and attractors against closed forms, in every output.
 #include "graze_program.hpp"
 
 #include <graze/apps/map/map_file.hpp>
@@ -64,7 +64,7 @@ std::size_t column(const Table& table, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("the mean of a function that jumps is that of the closed form, whatever else is asked for (fixed)") {
+TEST_CASE("the mean of a function with jumps agrees with the closed form for any selection of quantities (fixed)") {
   // x is above half its amplitude for a third of the time.
   const TemporaryFolder folder;
   const std::string file = folder.write("shaken.toml", shaken);
@@ -80,7 +80,7 @@ TEST_CASE("the mean of a function that jumps is that of the closed form, whateve
   CHECK(std::abs(mean({"mean(sign(v))"}) - alone) < 1e-13);
 }
 
-TEST_CASE("quantities of a linear oscillator along its resonance curve are those of the closed form") {
+TEST_CASE("quantities of a linear oscillator along its resonance curve agree with the closed form") {
   const TemporaryFolder folder;
   const std::string file = folder.write("shaken.toml", shaken);
   const Json json = result({"continue", file,
@@ -130,7 +130,7 @@ TEST_CASE("quantities of a linear oscillator along its resonance curve are those
   CHECK_THROWS_WITH(with_quantities(Json::object(), {"max(x)"}), Contains("no quantities"));
 }
 
-TEST_CASE("a quantity does not depend on the others: beside poles, and at the zeros of a power (fixed)") {
+TEST_CASE("a quantity does not depend on the others: beside poles and at the zeros of a power (fixed)") {
   const TemporaryFolder folder;
   folder.write("own.toml", shaken);
   const double A = amplitude(0.6);
@@ -152,15 +152,15 @@ TEST_CASE("a quantity does not depend on the others: beside poles, and at the ze
   CHECK(y["max(abs(v)^1.5)"].get<double>() == Approx(std::pow(0.6 * A, 1.5)).epsilon(1e-10));
   CHECK(y["mean(sqrt(x^2))"].get<double>() == Approx(2.0 * A / pi).epsilon(1e-10));
   for (const char* none : {"mean(1/x)", "max(1/x)", "mean(log(x))"}) CHECK(y[none].is_null());
-  // Values that are not known are null in a motion, too.
+  // Unknown values are null in a motion too.
   const Json motion = result({"trajectory", folder.file("own.toml"), "--periods", "1", "--settle", "0", "--y", "log(x)"});
   CHECK(motion["samples"].size() > 10);
   result({"poincare", folder.file("own.toml"), "--points", "3", "--settle", "5", "--y", "log(-1 - x^2)"});
 }
 
-TEST_CASE("friction that stops a mass is no contact, and an orbit with a mass that swings is not at rest (fixed)") {
+TEST_CASE("friction that stops a mass is no contact and an orbit with a swinging mass is not at rest (fixed)") {
   const TemporaryFolder folder;
-  // Two masses without a coupling: one before a stop, the other held and released by friction.
+  // Two uncoupled masses: one in front of a stop, the other held and released by friction.
   folder.write("two.toml", R"toml([system]
 forcing = "w"
 [parameters]
@@ -187,7 +187,7 @@ law = "0.4"
   REQUIRE(orbit["contacts"].size() == 1);
   const double speed = orbit["contacts"][0]["entry_speed"];
   CHECK(orbit["y"]["energy_lost"].get<double>() == Approx(0.5 * (1.0 - 0.49) * speed * speed).epsilon(1e-12));
-  // The second mass is pressed to its stop; the first one swings.
+  // The second mass is pressed against its stop; the first one swings.
   folder.write("held.toml", R"toml([system]
 forcing = "w"
 [parameters]
@@ -232,7 +232,7 @@ TEST_CASE("quantities of a ball on a table are those of its parabola") {
   CHECK(std::abs(y["min(y)"].get<double>()) < 1e-12);
 }
 
-TEST_CASE("quantities of autonomous orbits: a block on a belt loses nothing in contacts, and its speed averages to zero") {
+TEST_CASE("quantities of autonomous orbits: a block on a belt loses no energy in contacts and its mean speed is zero") {
   const Json json = result({"orbit", GRAZE_DATA_DIR "/models/block-on-belt.toml", "--y", "energy_lost", "--y", "impacts", "--y",
                             "mean(v)", "--y", "max(v)", "--y", "mean(v*x')", "--y", "mean(v^2)", "--y", "period"});
   const Json& y = json["orbit"]["y"];
@@ -245,8 +245,9 @@ TEST_CASE("quantities of autonomous orbits: a block on a belt loses nothing in c
   CHECK_THAT(call({"orbit", GRAZE_DATA_DIR "/models/block-on-belt.toml", "--y", "max(t)"}).err, Contains("autonomous"));
 }
 
-TEST_CASE("quantities of an orbit balance: the work of the force is what damper and contact take") {
-  // What a soft contact takes is that of its own damper; energy_lost, of entry and exit speeds, has the force's work in it, too.
+TEST_CASE("quantities of an orbit balance: the work of the force is dissipated in damper and contact") {
+  // The dissipation of a soft contact is that of its damper. energy_lost, from entry and exit speeds, includes the work of the
+  // force too.
   const std::string soft = "mean(k_H*b_H*v^2*max(x - r, 0)^(3/2))";
   struct Case {
     std::string id, setting, contact;
@@ -267,7 +268,7 @@ TEST_CASE("quantities of an orbit balance: the work of the force is what damper 
   }
 }
 
-TEST_CASE("quantities of a sweep are those of its attractors, and its states at phase 0 one by one") {
+TEST_CASE("quantities of a sweep are those of its attractors with its states at phase 0 one by one") {
   const TemporaryFolder folder;
   const Json json = result({"sweep", problem("hertz-damped"), "--from", "0.9", "--to", "0.93", "--step", "0.01", "--y", "x",
                             "--y", "max(x)", "--y", "impact_speed_max", "--csv", folder.file("s.csv")});
@@ -294,16 +295,16 @@ TEST_CASE("quantities of a sweep are those of its attractors, and its states at 
   CHECK(picture_of(json).y_label == "x at forcing phase 0 (dimensionless)");
 }
 
-TEST_CASE("quantities of a map are those of the attractors at its points, in every format") {
+TEST_CASE("quantities of a map are those of the attractors at its points in every format") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run");
-  const std::vector<std::string> asked = {"map",     problem("hertz-damped"),
-                                          "--param", "eta:0.72:0.92:3",
-                                          "--param", "r:2:2.1:2",
-                                          "--y",     "max(x)",
-                                          "--y",     "v/eta",
-                                          "--y",     "period"};
-  std::vector<std::string> all = asked;
+  const std::vector<std::string> command = {"map",     problem("hertz-damped"),
+                                            "--param", "eta:0.72:0.92:3",
+                                            "--param", "r:2:2.1:2",
+                                            "--y",     "max(x)",
+                                            "--y",     "v/eta",
+                                            "--y",     "period"};
+  std::vector<std::string> all = command;
   all.insert(all.end(), {"--out", out, "--csv", folder.file("m.csv")});
   const Json json = result(all), y = json["layers"][0]["y"];
   const Table table = parse_csv(read_file(folder.file("m.csv")), "m.csv");
@@ -322,7 +323,7 @@ TEST_CASE("quantities of a map are those of the attractors at its points, in eve
       const std::string eta = cell("eta"), r = cell("r"), period = table.rows[line][4];
       types.insert(cell("type"));
       CHECK(value("v/eta") == Approx(std::stod(cell("v")) / std::stod(eta)).epsilon(1e-13));
-      if (cell("impacts") != "0") CHECK(value("max(x)") > std::stod(r));  // it goes into the elastic barrier
+      if (cell("impacts") != "0") CHECK(value("max(x)") > std::stod(r));  // it moves into the elastic barrier
       if (cell("type") != "periodic") continue;
       CHECK(value("period") == Approx(std::stod(period) * 2.0 * pi / std::stod(eta)).epsilon(1e-13));
       const Json orbit = result({"orbit", problem("hertz-damped"), "--set", "eta=" + eta, "--set", "r=" + r, "--period", period,
@@ -332,8 +333,8 @@ TEST_CASE("quantities of a map are those of the attractors at its points, in eve
   }
   CHECK(types == std::set<std::string>{"chaotic", "periodic"});
 
-  // Gone on with it has to be of the same quantities; pictures show them, one by one.
-  std::vector<std::string> other(asked.begin(), asked.end() - 2);
+  // A resumed map must have the same quantities; pictures show them one by one.
+  std::vector<std::string> other(command.begin(), command.end() - 2);
   other.insert(other.end(), {"--resume", out});
   CHECK_THAT(call(other).err, Contains("is of another run"));
   CHECK(std::filesystem::exists(out + "/map-y3.png"));
@@ -345,7 +346,7 @@ TEST_CASE("quantities of a map are those of the attractors at its points, in eve
       Contains("\"perod\" (did you mean \"period\"?)"));
 }
 
-TEST_CASE("quantities of coexisting attractors and of the one that lyapunov reaches are those of their orbits") {
+TEST_CASE("quantities of coexisting attractors and of the one found by lyapunov are those of their orbits") {
   const Json json = result({"attractors", problem("newton-elastic"), "--set", "eta=0.744", "--x", "-1:2:12", "--v", "-2:2:12",
                             "--y", "max(v)", "--y", "impacts"});
   REQUIRE(json["attractors"].size() == 2);
@@ -361,7 +362,7 @@ TEST_CASE("quantities of coexisting attractors and of the one that lyapunov reac
   }
 }
 
-TEST_CASE("quantities of a diagram that is gone on with are those of one run through") {
+TEST_CASE("quantities of a resumed diagram are those of an uninterrupted one") {
   const TemporaryFolder folder;
   const std::vector<std::string> arguments = {"diagram", problem("newton-elastic"),
                                               "--from",  "0.93",
@@ -414,7 +415,7 @@ TEST_CASE("expressions along a run and in a section are those of its states") {
   CHECK_THAT(call({"trajectory", problem("newton-elastic"), "--y", "max(x)"}).err, Contains("only expressions"));
 }
 
-TEST_CASE("quantities of a problem in physical units come out in them") {
+TEST_CASE("quantities of a problem in physical units have physical units") {
   // alpha = 5 rad/s, x = X / 0.04 m.
   const TemporaryFolder folder;
   const std::string file = folder.write(
@@ -445,7 +446,7 @@ TEST_CASE("quantities of a problem in physical units come out in them") {
   CHECK_THAT(call({"orbit", problem("hertz-damped"), "--y", "max(X)"}).err, Contains("unknown name 'X'"));
 }
 
-TEST_CASE("a quantity that there is none of is refused before anything is computed") {
+TEST_CASE("an unknown quantity is refused before the computation") {
   const TemporaryFolder folder;
   const std::string file = folder.write("shaken.toml", shaken);
   const auto refused = [&](const std::string& text, const std::string& why) {

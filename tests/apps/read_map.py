@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What h5py sees of a map, as JSON.
+# Prints the contents of a map file, as read by h5py, as JSON.
 import json
 import sys
 

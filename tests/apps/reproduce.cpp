@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze reproduce: rows, files, going on from an interrupted run, misuse.
+// graze reproduce: rows, files, resumption of an interrupted run, misuse.
 #include "graze_program.hpp"
 
 #include <graze/apps/console/interrupt.hpp>
@@ -53,7 +53,7 @@ windows = [
 
 }  // namespace
 
-TEST_CASE("reproduce compares, draws, and goes on from an interrupted run") {
+TEST_CASE("reproduce compares, draws, and continues an interrupted run") {
   const TemporaryFolder folder;
   const std::string file = folder.write("few.toml", few), out = folder.file("out");
   const Outcome whole = call({"reproduce", file, "--no-claims", "--out", out, "--quiet", "--json", "-"});
@@ -72,7 +72,7 @@ TEST_CASE("reproduce compares, draws, and goes on from an interrupted run") {
     CHECK(std::filesystem::exists(out + "/" + name));
   const std::string page = read_file(out + "/index.html");
   CHECK_THAT(page, Contains("<img src=\"figure-14b.png\"") && Contains("z = 2/2"));
-  // What an interrupted run leaves: half a sweep, one row.
+  // The result of an interrupted run: half a sweep, one row.
   Json part = json;
   part["status"] = "interrupted";
   part["rows"].erase(part["rows"].begin() + 1, part["rows"].end());
@@ -83,7 +83,7 @@ TEST_CASE("reproduce compares, draws, and goes on from an interrupted run") {
   CHECK(Json::parse(resumed.out)["rows"] == json["rows"]);
 }
 
-TEST_CASE("reproduce keeps what an interrupted run has") {
+TEST_CASE("reproduce keeps the results of an interrupted run") {
   const TemporaryFolder folder;
   const std::string file = folder.write("few.toml", few);
   set_interrupted(true);
@@ -94,21 +94,21 @@ TEST_CASE("reproduce keeps what an interrupted run has") {
   CHECK(Json::parse(read_file(folder.file("out/reproduce.json")))["status"] == "interrupted");
 }
 
-TEST_CASE("the rows that reproduce has where it is interrupted are those of the whole run") {
-  // Fixed: rows that were in work were kept as they were, and taken for finished by --resume.
+TEST_CASE("the rows of an interrupted reproduce are those of the complete run") {
+  // Fixed: unfinished rows were stored as they were, and --resume took them for finished.
   const TemporaryFolder folder;
   const Published published = load_published(folder.write("few.toml", few));
-  int asked = 0;
+  int cancel_checks = 0;
   ReproductionOptions options;
   options.claims = false;
-  options.cancelled = [&asked] { return ++asked == 0; };  // never
+  options.cancelled = [&cancel_checks] { return ++cancel_checks == 0; };  // never
   const Reproduction whole = reproduce(published, options);
   REQUIRE(whole.complete);
-  const int all = asked;
+  const int all = cancel_checks;
   std::size_t most = 0;
   for (int part = 1; part <= 12; ++part) {
-    asked = 0;
-    options.cancelled = [&asked, last = all * part / 13] { return ++asked > last; };
+    cancel_checks = 0;
+    options.cancelled = [&cancel_checks, last = all * part / 13] { return ++cancel_checks > last; };
     const Reproduction found = reproduce(published, options);
     CHECK_FALSE(found.complete);
     most = std::max(most, found.rows.size());
@@ -121,7 +121,7 @@ TEST_CASE("the rows that reproduce has where it is interrupted are those of the 
   CHECK(most > 0);
 }
 
-TEST_CASE("reproduce refuses what it cannot use") {
+TEST_CASE("reproduce refuses invalid input") {
   const TemporaryFolder folder;
   CHECK(call({"reproduce", folder.file("none.toml")}).code == 2);
   CHECK_THAT(call({"reproduce", folder.file("none.toml")}).err, Contains("no such file"));

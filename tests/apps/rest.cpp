@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every command says of a mass that rests on a pressed stop, and where nothing dissipates; and of an orbit that the motion
-// did not settle on.
+// Results of every command for a mass at rest on a preloaded stop, and for a system without dissipation. Also: an orbit on
+// which the motion did not settle.
 #include "graze_program.hpp"
 
 #include <graze/apps/text/json.hpp>
@@ -28,7 +28,7 @@ Json result(const std::string& command, std::vector<std::string> more) {
   return json_of(call(command, "newton-elastic", more));
 }
 
-/// Null in JSON (minus infinity), or the exponent where impacts lose nothing.
+/// Null in JSON (minus infinity), or the exponent for elastic impacts.
 void check_exponent(const Json& exponent, const std::string& k_r) {
   if (k_r == "1")
     CHECK(exponent.get<double>() == Approx(-0.04 / 3.0).epsilon(1e-9));
@@ -38,7 +38,7 @@ void check_exponent(const Json& exponent, const std::string& k_r) {
 
 }  // namespace
 
-TEST_CASE("all commands give one answer for a mass that rests on a pressed stop") {
+TEST_CASE("all commands agree on a mass at rest on a preloaded stop") {
   for (const std::string k_r : {"0", "0.8", "1"}) {
     INFO("k_r " << k_r);
     const Json orbit = result("orbit", pressed(k_r, {}))["orbit"];
@@ -66,14 +66,14 @@ TEST_CASE("all commands give one answer for a mass that rests on a pressed stop"
   }
 }
 
-TEST_CASE("a sweep over the clearance takes its default start in front of the barrier, and a mass at rest goes with its stop") {
+TEST_CASE("a sweep over the clearance starts in front of the barrier and a mass at rest moves with its stop") {
   const Json sweep = result("sweep", {"--set", "xi=0.7", "--set", "eta=0.8", "--set", "k_r=0.8", "--param", "r", "--from", "-1.2",
                                       "--to", "-1", "--step", "0.1", "--direction", "both"});
   REQUIRE(sweep["rows"].size() == 6);
   for (const Json& row : sweep["rows"]) CHECK(row["attractor"]["rests"] == true);
 }
 
-TEST_CASE("lyapunov where nothing dissipates claims no attractor") {
+TEST_CASE("lyapunov without dissipation claims no attractor") {
   const Json json = result("lyapunov", {"--set", "b=0", "--set", "eta=2.8", "--set", "r=-0.1", "--start=-0.68771149,0.365807336",
                                         "--settle", "100", "--periods", "40000"});
   CHECK(json["attractor"]["type"] == "undecided");
@@ -81,7 +81,7 @@ TEST_CASE("lyapunov where nothing dissipates claims no attractor") {
   CHECK(json["attractor"]["motion"] == "island");
 }
 
-TEST_CASE("orbit says in its result that the motion settled on another orbit than the one returned") {
+TEST_CASE("orbit reports in its result that the motion settled on another orbit than the one returned") {
   const Outcome outcome = call("orbit", "newton-elastic", {"--set", "eta=0.9"});
   CHECK(outcome.code == 0);
   CHECK_THAT(outcome.out, Contains("z = 1/2, stable"));

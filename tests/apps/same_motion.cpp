@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Systems from text that are the same but for their description: another phase of the forcing, the mirror image, other units of
-// length, another order of the states. Orbits and multipliers have to be the same.
+// Equivalent descriptions of systems from text: another phase of the forcing, the mirror image, other units of length, another
+// order of the states. Orbits and multipliers must be the same.
 #include "graze_program.hpp"
 
 #include <graze/apps/problem/problem.hpp>
@@ -28,7 +28,7 @@ constexpr double tolerance = 1e-10;
 using Replacements = std::vector<std::pair<std::string, std::string>>;
 using Settings = std::vector<std::pair<std::string, double>>;
 
-/// A model that is shipped, with pieces of its text replaced.
+/// A shipped model, with parts of its text replaced.
 Problem model(const std::string& name, const Settings& settings, const Replacements& replacements = {}) {
   std::string text = read_file(fmt::format("{}/models/{}.toml", GRAZE_DATA_DIR, name));
   for (const auto& [from, to] : replacements) {
@@ -42,7 +42,7 @@ Problem model(const std::string& name, const Settings& settings, const Replaceme
   return problem;
 }
 
-/// From a guess that is a little off the orbit.
+/// From a guess close to the orbit.
 PeriodicOrbit orbit_near(const Problem& problem, const Vector& guess) {
   const PeriodicOrbit orbit = shoot(problem.system, problem.parameters, guess + Vector::Constant(guess.size(), 1e-4), 1);
   INFO(problem.text);
@@ -64,14 +64,14 @@ void check_same(const PeriodicOrbit& orbit, const PeriodicOrbit& other, const Ve
   }
 }
 
-/// A model at parameters where it has an orbit with contacts near a state; and the same in other descriptions.
+/// A model at parameters where it has an orbit with contacts near a state, and the same model in other descriptions.
 struct Example {
   std::string name;
   Settings settings;
   Vector guess;
   Replacements mirrored, permuted;
   std::vector<Eigen::Index> order;                              ///< of the states in the permuted one
-  Settings (*scaled)(const Problem&, double length) = nullptr;  ///< parameters with lengths in units of so many
+  Settings (*scaled)(const Problem&, double length) = nullptr;  ///< parameters in units of this length
 };
 
 Settings times(const Problem& problem, const std::vector<std::pair<std::string, double>>& factors) {
@@ -141,7 +141,7 @@ TEST_CASE("the mirror image of a system has the mirror images of its orbits") {
   }
 }
 
-TEST_CASE("the unit of length changes the states of an orbit alone") {
+TEST_CASE("the unit of length changes only the states of an orbit") {
   for (const Example& example : examples())
     for (const double length : {0.3, 7.0}) {
       INFO(example.name << " " << length);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Special points that several branches have in common are listed once.
+// Special points that several branches share are listed once.
 #include "graze_program.hpp"
 
 #include <graze/apps/results/same_points.hpp>
@@ -28,7 +28,7 @@ Branch branch_with(int id, PointType type, double value, std::vector<Vector> sta
 
 }  // namespace
 
-TEST_CASE("special points are the same if value and orbit are, up to a shift and a multiple of the period") {
+TEST_CASE("special points are the same if value and orbit are up to a shift and a multiple of the period") {
   const Vector a{{0.25, -1.5}}, b{{1.0, 0.5}}, near{{0.25, -1.4999}};
   const std::vector<Branch> branches = {
       branch_with(1, PointType::GR, 0.7, {a, b}),        branch_with(2, PointType::GR, 0.7 + 1e-14, {b, a}),
@@ -43,7 +43,7 @@ TEST_CASE("special points are the same if value and orbit are, up to a shift and
   }
 }
 
-TEST_CASE("a grazing of several branches is listed once, and the JSON says of which") {
+TEST_CASE("a grazing of several branches is listed once and the JSON names the branches") {
   // eta = 0.686489977652: 3/3 ends there, 2/3 begins and ends there.
   const TemporaryFolder folder;
   const Outcome outcome =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze sweep: rows with attractors and exponents, hysteresis, going on from an interrupted run, misuse.
+// graze sweep: rows with attractors and exponents, hysteresis, resumption of an interrupted run, misuse.
 #include "graze_program.hpp"
 
 #include <graze/apps/pictures/pictures.hpp>
@@ -47,7 +47,7 @@ TEST_CASE("sweep follows the attractor and shows hysteresis") {
   }
 }
 
-TEST_CASE("sweep: an attractor that sticks is one, however many impacts of its chatter are counted") {
+TEST_CASE("sweep: an attractor that sticks is one for any count of the impacts of its chatter") {
   const Outcome outcome = run({"--set", "k_r=0.5", "--set", "r=0", "--from", "0.3", "--to", "0.4", "--step", "0.02"});
   REQUIRE(outcome.code == 0);
   CHECK_THAT(outcome.out, Contains("z = ∞/1         6              -infinity  -infinity"));
@@ -60,7 +60,7 @@ TEST_CASE("sweep: an attractor that sticks is one, however many impacts of its c
   CHECK(marks->points.size() == 6);
 }
 
-TEST_CASE("sweep: in its picture down is the wider one below up, and the legend has dots that can be seen") {
+TEST_CASE("sweep: in its picture down is wider and below up and the legend has visible dots") {
   const Json json = json_of(run({"--from", "0.9", "--to", "0.91", "--step", "0.005", "--direction", "both", "--json", "-"}));
   const Picture picture = picture_of(json, "states");
   REQUIRE(picture.curves.size() == 4);
@@ -71,7 +71,7 @@ TEST_CASE("sweep: in its picture down is the wider one below up, and the legend 
   CHECK_THAT(gnuplot_script(picture, "svg"), !Contains("e+29"));
 }
 
-TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit") {
+TEST_CASE("sweep continues an interrupted run with identical bits") {
   const TemporaryFolder folder;
   const std::vector<std::string> options = {"--from", "0.74", "--to", "0.75", "--step", "0.002"};
   const auto with = [&](std::vector<std::string> more, std::vector<std::string> before = {}) {
@@ -89,7 +89,7 @@ TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit"
   part["status"] = "interrupted";
   part["rows"].erase(part["rows"].begin() + 3, part["rows"].end());
   folder.write("run/sweep.json", part.dump());
-  for (const char* unfinished : {".sweep.csv.a1B2c3", ".sweep-states.png.XXXXXX"})  // it was killed while it wrote them
+  for (const char* unfinished : {".sweep.csv.a1B2c3", ".sweep-states.png.XXXXXX"})  // it was killed during the writing
     folder.write(std::string("run/") + unfinished, "half");
   folder.write("run/.sweep.backup", "mine");
   const Json resumed = json_of(run(with({"--resume", out, "--json", "-"})));
@@ -97,7 +97,7 @@ TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit"
   CHECK_FALSE(std::filesystem::exists(folder.file("run/.sweep-states.png.XXXXXX")));
   CHECK(std::filesystem::exists(folder.file("run/.sweep.backup")));
   CHECK(resumed["rows"].size() == 6);
-  CHECK(resumed == whole);  // what was read back is written again as it was, multipliers included
+  CHECK(resumed == whole);  // stored rows are written again unchanged, multipliers included
   const Outcome other = run(with({"--resume", out, "--set", "b=0.06"}));
   CHECK(other.code == 2);
   CHECK_THAT(other.err, Contains("sweep.json is of another run: parameters.b is 0.05 there and 0.06 now; give the same"));
@@ -112,9 +112,9 @@ TEST_CASE("sweep goes on from what an interrupted run has left, to the last bit"
              Contains("run/sweep.json: this is not valid JSON from line 2 on, where it breaks off; compute it anew"));
 }
 
-TEST_CASE("sweep does not depend on the number of threads, where rows are taken back too") {
-  // At 0.71 transient chaos may pass for chaos until its average ends (with this rounding or that): what several threads have
-  // followed from it meanwhile is dropped.
+TEST_CASE("sweep does not depend on the number of threads for cancelled rows too") {
+  // At 0.71 transient chaos may look like chaos until its average ends, depending on rounding. Rows that other threads have
+  // computed from it meanwhile are discarded.
   const std::vector<std::string> range = {"--from", "0.65",        "--to", "0.72",   "--step",
                                           "0.002",  "--direction", "both", "--json", "-"};
   const auto rows = [&](const char* threads) {
@@ -126,7 +126,7 @@ TEST_CASE("sweep does not depend on the number of threads, where rows are taken 
   CHECK(one == several);
 }
 
-TEST_CASE("sweep refuses what it does not understand") {
+TEST_CASE("sweep refuses invalid options") {
   const auto misuse = [](std::vector<std::string> more) {
     const Outcome outcome = run(std::move(more));
     CHECK(outcome.code == 2);

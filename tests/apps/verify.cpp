@@ -22,7 +22,7 @@ Outcome run(std::vector<std::string> more, const std::string& id = "hertz-damped
 
 }  // namespace
 
-TEST_CASE("verify goes through a range, and the largest disagreements stand for all") {
+TEST_CASE("verify covers a range and reports the largest disagreements") {
   const TemporaryFolder folder;
   const Outcome outcome = run({"--from", "0.95", "--to", "0.92", "--step", "0.01", "--average", "200", "--settle", "300", "--csv",
                                folder.file("t.csv"), "--json", folder.file("t.json")});
@@ -89,22 +89,22 @@ TEST_CASE("verify compares soft contacts with the rigid stop") {
   const Json& hard = json["orbits"][0]["hard_limit"];
   CHECK(hard["steps"].size() == 7);
   CHECK(hard["steps"][0]["k_H"].get<double>() == Approx(1e3));
-  // 2/5 in the limit: at the largest k_H what is left of the next order is below 1e-3.
+  // 2/5 in the limit: at the largest k_H the contribution of the next order is below 1e-3.
   CHECK(hard["steps"][6]["order"].get<double>() == Approx(0.4).margin(1e-3));
   CHECK(hard["restitution"].size() == 48);
   for (const char* kind : {"checks", "restitution", "hard-limit"})
     CHECK(std::filesystem::exists(folder.file(std::string("run/verify-") + kind + ".png")));
   CHECK(json["orbits"][0]["checks"].size() == 9 + 5);
   CHECK_THAT(outcome.out, Contains("closed form"));
-  // Without damping there is no restitution to show, and nothing is missed.
+  // Without damping there is no restitution to show, and nothing is missing.
   const Outcome undamped = run({"--hard-limit", "--average", "0", "--out", folder.file("undamped")}, "hertz-undamped");
   CHECK(undamped.code == 0);
   CHECK_FALSE(std::filesystem::exists(folder.file("undamped/verify-restitution.png")));
   CHECK(std::filesystem::exists(folder.file("undamped/verify-hard-limit.png")));
 }
 
-TEST_CASE("verify ends with 1 where something is missing, and says what") {
-  // This orbit comes to an end at a grazing before the contact is stiff.
+TEST_CASE("verify ends with 1 if a result is missing and names it") {
+  // This orbit ends at a grazing before the contact is stiff.
   const Outcome lost = run({"--set", "eta=0.8247", "--period", "2", "--hard-limit", "--average", "0", "--json", "-"});
   CHECK(lost.code == 1);
   CHECK_THAT(lost.err, Contains("hard limit: the orbit could not be followed"));
@@ -119,7 +119,7 @@ TEST_CASE("verify ends with 1 where something is missing, and says what") {
   CHECK(Json::parse(none.out)["orbits"].empty());
 }
 
-TEST_CASE("verify refuses what it does not understand") {
+TEST_CASE("verify refuses invalid options") {
   const auto misuse = [](std::vector<std::string> more, const std::string& id = "hertz-damped") {
     const Outcome outcome = run(std::move(more), id);
     CHECK(outcome.code == 2);

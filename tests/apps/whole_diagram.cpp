@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// graze diagram without --skeleton: sweeps and branches agree, going on from any interruption, the picture, misuse.
+// graze diagram without --skeleton: agreement of sweeps and branches, resumption of any interruption, the picture, misuse.
 #include "graze_program.hpp"
 
 #include <graze/apps/pictures/pictures.hpp>
@@ -39,7 +39,7 @@ Outcome run(const std::vector<std::string>& more) {
   return call(std::vector<std::string>{"diagram", problem("newton-elastic"), "--max-period", "8", "--quiet"} + more);
 }
 
-/// The picture that was drawn of it: every sample over the branches, and the exponents below on the same axis.
+/// Checks the picture of the diagram: every sample over the branches, and the exponents below on the same axis.
 void check_picture(const Json& result, const std::string& file) {
   CHECK(picture_names("graze.diagram/1") == std::vector<std::string>{"diagram", "skeleton", "states", "exponents"});
   const Picture drawn = picture_of(result);
@@ -71,7 +71,7 @@ void check_picture(const Json& result, const std::string& file) {
   CHECK_THAT(script, Contains("set multiplot") && Contains("exponent 1, sweep down") && Contains("PD1"));
   CHECK(read_file(file) == draw(drawn, "svg"));
 
-  // While no sweep has begun, the branches are drawn alone.
+  // Before the first sweep the branches are drawn alone.
   Json begun = result;
   begun["rows"] = Json::array();
   CHECK(picture_of(begun).below.empty());
@@ -80,10 +80,10 @@ void check_picture(const Json& result, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
+TEST_CASE("a whole diagram is the skeleton and the sweeps and the two agree") {
   // From eta = 0.747 on the 2/2 orbit, so that the sweep down follows its doublings beside the 2/3 orbit of the sweep up.
   const std::vector<std::string> start = {"--start", "1.6962,0.871"};
-  // The other way round, the range is the same.
+  // The same range in reverse.
   const std::vector<std::string> back = {"--from", "0.747", "--to", "0.729"};
   const TemporaryFolder folder;
   const std::string picture = folder.file("diagram.svg");
@@ -93,7 +93,7 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
   CHECK(whole["parts"]["skeleton"] == "done");
   CHECK(whole["parts"]["sweeps"] == "done");
 
-  // It has what the two commands give that are made for its parts.
+  // It has the results of the two commands for its parts.
   const Json skeleton = json_of(run(back + std::vector<std::string>{"--skeleton", "--json", "-"}));
   for (const char* key : {"parameter", "seeds", "branches", "cascades", "cut_off"}) CHECK(whole[key] == skeleton[key]);
   const Json swept =
@@ -103,10 +103,10 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
   CHECK(whole["rows"][0]["value"] == 0.729);
   CHECK(whole["rows"] == swept["rows"]);
 
-  // What simulation settles on lies on what continuation found.
+  // The attractors of the simulation lie on the branches of the continuation.
   const Problem model = problem_of(whole);
   const std::vector<Branch> branches = branches_from_json(whole);
-  for (std::size_t i = 0; i < branches.size(); ++i)  // what is read is what was written, proofs and all
+  for (std::size_t i = 0; i < branches.size(); ++i)  // the branches read equal those written, proofs included
     for (const char* part : {"points", "special_points"}) CHECK(json_of(branches[i])[part] == whole["branches"][i][part]);
   const std::vector<SweepRow> rows = value_of<std::vector<SweepRow>>(whole["rows"]);
   std::size_t periodic = 0, chaotic = 0;
@@ -126,7 +126,7 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
   CHECK(chaotic >= 2);
   CHECK(whole["off_branches"]["compared"] == periodic);
   CHECK(whole["off_branches"]["rows"].empty());
-  // Without the branches of period 3 just the rows of period 3 lie on none.
+  // Without the branches of period 3 exactly the rows of period 3 lie on no branch.
   std::vector<Branch> others = branches;
   std::erase_if(others, [](const Branch& branch) { return branch.period == 3; });
   const SweepComparison off = compare_sweep_with_branches(model.system, others, rows, 8, 2);
@@ -135,7 +135,7 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
     if (rows[i].attractor.period == 3) expected.push_back(i);
   CHECK_FALSE(expected.empty());
   CHECK(off.rows == expected);
-  // The longest period limits what is compared.
+  // The longest period limits the comparison.
   const SweepComparison none = compare_sweep_with_branches(model.system, others, rows, 0);
   CHECK(none.compared == 0);
   CHECK(none.longer == static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const SweepRow& row) {
@@ -145,8 +145,8 @@ TEST_CASE("a whole diagram is the skeleton and the sweeps, and the two agree") {
   check_picture(whole, picture);
 }
 
-TEST_CASE("a diagram that is interrupted anywhere and resumed gives the same bytes as one that is not") {
-  // Fixed: what was read back of seeds and branches gave the rest to rounding, and branches got other numbers.
+TEST_CASE("a diagram that is interrupted anywhere and resumed gives the same bytes as an uninterrupted one") {
+  // Fixed: seeds and branches read from a file changed the rest by rounding, and branches got other numbers.
   const TemporaryFolder folder;
   const std::vector<std::string> all = {"--from", "0.743", "--to", "0.747", "--step", "0.0005", "--samples", "5"};
   const Outcome whole = run(all + std::vector<std::string>{"--out", folder.file("whole")});
@@ -167,7 +167,7 @@ TEST_CASE("a diagram that is interrupted anywhere and resumed gives the same byt
     CHECK(read_file(out + name) == read_file(folder.file("whole") + name));
 }
 
-TEST_CASE("a diagram goes on from where it was interrupted, to the last bit, and keeps what was finished") {
+TEST_CASE("a diagram continues from its interruption with identical bits and keeps its finished parts") {
   const TemporaryFolder folder;
   const std::string out = folder.file("run"), left = folder.file("left");
   std::filesystem::create_directory(left);
@@ -193,16 +193,16 @@ TEST_CASE("a diagram goes on from where it was interrupted, to the last bit, and
   part.erase("chaotic_windows");
   part.erase("off_branches");
   CHECK(resumed(part, all) == whole);
-  // Before them, with other options of the sweeps than those first meant.
+  // Before them, with other options of the sweeps than at first.
   part["rows"] = Json::array();
   part["parts"]["sweeps"] = "not run";
   part["options"]["step"] = 0.1;
   CHECK(resumed(part, all) == whole);
-  // A finished skeleton is taken as it is, and not computed again: here it is known by a seed that is not there.
+  // A finished skeleton is reused and not computed again: an artificial change of its seeds proves it.
   const std::size_t seeds = part["seeds"].size();
   part["seeds"].erase(0);
   CHECK(Json::parse(resumed(part, all))["seeds"].size() == seeds - 1);
-  // Unless it was another one that is wanted now.
+  // Unless another skeleton is requested.
   part["options"]["max_period"] = 4;
   CHECK(Json::parse(resumed(part, all))["seeds"].size() == seeds);
   // From a skeleton alone.
@@ -229,7 +229,7 @@ TEST_CASE("a diagram goes on from where it was interrupted, to the last bit, and
   CHECK_THAT(refused(damaged, all), Contains("is damaged; compute it anew"));
 }
 
-TEST_CASE("chaotic windows are stretches of neighbouring values, each direction by itself") {
+TEST_CASE("chaotic windows are ranges of neighbouring values in each direction separately") {
   const auto row = [](double value, SweepDirection direction, AttractorType type, double exponent) {
     SweepRow out;
     out.value = value;
@@ -262,7 +262,7 @@ TEST_CASE("chaotic windows are stretches of neighbouring values, each direction 
   CHECK(chaotic_windows({}).empty());
 }
 
-TEST_CASE("a whole diagram refuses what it does not understand before it computes anything") {
+TEST_CASE("a whole diagram refuses invalid options before it computes anything") {
   const auto misuse = [](const std::vector<std::string>& more) {
     const Outcome outcome = run(more);
     CHECK(outcome.code == 2);
@@ -280,7 +280,7 @@ TEST_CASE("a whole diagram refuses what it does not understand before it compute
   CHECK_THAT(misuse({"--from", "0.7", "--to", "0.7"}), Contains("--from and --to are both 0.7"));
 }
 
-TEST_CASE("Ctrl-C in the skeleton leaves a diagram whose sweeps are to come") {
+TEST_CASE("Ctrl-C in the skeleton leaves a diagram without sweeps") {
   const TemporaryFolder folder;
   const Json json = interrupted_json("diagram " + problem("hertz-damped") + " --from 0.65 --to 0.95 --threads 1",
                                      folder.file("r.json"), "skeleton");

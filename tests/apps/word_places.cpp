@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Words of a crowded picture: off each other, off lines and marks, or left out.
+// Words in a crowded picture: they avoid each other, lines and marks, or are left out.
 #include <graze/apps/drawing/word_places.hpp>
 
 #include <catch2/catch.hpp>
@@ -8,7 +8,7 @@
 
 using namespace graze::apps;
 
-TEST_CASE("words stand beside a mark that is alone") {
+TEST_CASE("words stand beside a single mark") {
   WordPlaces places(20.0);
   places.add_mark({40.0, 10.0});
   const auto placed = places.beside_mark({{40.0, 10.0}}, "PD1", 10.0);
@@ -41,7 +41,7 @@ TEST_CASE("words stay inside the axes and off lines") {
   REQUIRE(corner);
   CHECK(corner->anchor.column < 92.0 - 5.0);
   CHECK(corner->anchor.row < 19.0);
-  // Lines everywhere: no room, within reach or along the curve; far above them there is.
+  // Lines everywhere: there is no room within reach or along the curve, but far above them there is.
   for (double row = 0.0; row < 12.0; row += 0.5) places.add_line({0.0, row}, {92.0, row});
   CHECK_FALSE(places.beside_mark({{40.0, 4.0}}, "LP1", 6.0));
   CHECK_FALSE(places.along_curve({{40.0, 4.0}, {41.0, 4.0}}, "1/2"));

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs what is needed and builds a target of the release with its benchmarks, in a folder of its own.
+# Installs the required packages and builds a target of the release with its benchmarks in a separate folder.
 # usage: build.sh FOLDER TARGET
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

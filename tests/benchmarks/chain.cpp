@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How does the cost of a forcing period, with its sensitivity, grow with the number of states? A chain of masses before a rigid
-// stop (baselines/chain.hpp), which is a system of one's own for graze: its general flow carries it.
+// Cost of a forcing period with its sensitivity as a function of the number of states. A chain of masses in front of a rigid
+// stop (baselines/chain.hpp) is a user-defined system for graze, which uses its general flow.
 #include "baselines/chain.hpp"
 #include "solvers.hpp"
 #include "support/rigid_stop.hpp"
@@ -46,7 +46,7 @@ HybridSystem chain_system(Eigen::Index masses) {
         }
     }
   };
-  mode.field_dp = [](double, const Vector&, const Vector&, Matrix& J) { J.setZero(); };  // not asked for here
+  mode.field_dp = [](double, const Vector&, const Vector&, Matrix& J) { J.setZero(); };  // not used here
   mode.field_dt = [](double t, const Vector&, const Vector& p, Vector& f) {
     f.setZero();
     f[1] = -p[xi] * p[eta] * std::sin(p[eta] * t);
@@ -107,8 +107,8 @@ template <std::size_t masses, class Baseline> class BaselineChain {
   baselines::State<Field::size> u_{};
 };
 
-/// 50 forcing periods on the attractor, and what is right at their ends: the general flow at 1e-14; the baselines come within
-/// 1e-10 of it.
+/// 50 forcing periods on the attractor, with the exact final states from the general flow at 1e-14. The baselines agree with
+/// it within 1e-10.
 struct Known {
   std::vector<Vector> starts;
   std::vector<Result> exact;
@@ -152,7 +152,7 @@ template <class Make> Accuracy accuracy_at(Eigen::Index masses, const Make& make
 }
 
 template <class Make> void states(benchmark::State& state, Eigen::Index masses, const Make& make) {
-  static const Accuracy accuracy = tuned(  // once: Make is a type of its own for each solver and number of masses
+  static const Accuracy accuracy = tuned(  // once: Make is a separate type for each solver and number of masses
       [&](double tolerance) { return accuracy_at(masses, make, tolerance); });
   auto solver = make(accuracy.tolerance);
   Result out;

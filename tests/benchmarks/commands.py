@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times whole commands of graze: what lanes bring over motions one by one, and what two threads bring over one.
+"""Times whole commands of graze: the gain of lanes over single motions, and of two threads over one.
 
-Each command, such as `graze sweep` of the damped Hertz oscillator, is run in four ways, in turn, so that other work on the
-machine meets all of them alike; the least of N rounds counts (default 2):
+Each command, such as `graze sweep` of the damped Hertz oscillator, is run in four ways in turn, so that other work on the
+machine affects all of them equally. The shortest time of N rounds counts (default 2):
   one    on one thread
   two    on two threads
-  pair   two of it at once, on one thread each
+  pair   two copies at once, on one thread each
   alone  on one thread with --flow alone: each motion by itself (once, and only if --alone is given; it takes the longest)
-threads is one / two. What two processors of a machine can bring at most is 2 one / pair, capacity: they share clock, caches
-and memory, and may be hyperthreads of one. of it is threads / capacity. lanes compares the processor time of alone with that
-of one.
+`threads` is one / two. `capacity`, 2 one / pair, is the largest possible gain of two processors of the machine: they share
+clock, caches and memory, and may be hyperthreads of one core. `of it` is threads / capacity. `lanes` compares the processor
+time of alone with that of one.
 """
 import argparse
 import os
@@ -32,7 +32,7 @@ r = 1.0
 beta = 0.0
 k_S = 25.0
 """
-# Problem file (None: the one above), columns and rows of maps, random starts, ranges of eta and steps of the two sweeps.
+# Problem file (None: the one above); columns and rows of maps, random starts, ranges of eta and steps of the two sweeps.
 OSCILLATOR_MAP, CANTILEVER_MAP = ("eta:0.65:0.95:400", "r:1:3:300"), ("eta:0.45:0.65:100", "r:0.06:0.1:80")
 SYSTEMS = {
     "newton": ("newton-elastic", OSCILLATOR_MAP, 1000000, ("0.6", "1.2", "0.000003125"), ("0.7", "0.75", "0.000003125")),
@@ -45,7 +45,7 @@ SYSTEMS = {
 
 
 def commands(folder):
-    """Name and arguments of each; what they write goes into a file whose name is put in later."""
+    """Name and arguments of each command. The name of its output file is appended later."""
     out = {}
     own = os.path.join(folder, "linear-stop.toml")
     with open(own, "w") as file:
@@ -64,7 +64,7 @@ def commands(folder):
 
 
 def run(graze, arguments, folder, threads, copies=1, more=()):
-    """Wall and processor time of so many copies at once, in seconds."""
+    """Wall and processor time of `copies` simultaneous copies, in seconds."""
     files = [os.path.join(folder, f"result-{k}.h5" if arguments[0] == "map" else f"result-{k}.csv") for k in range(copies)]
     for file in files:
         if os.path.exists(file):

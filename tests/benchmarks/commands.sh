@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Builds the program and times whole commands (commands.py says how; its arguments can be given), for example
+# Builds the program and times whole commands (see commands.py, which also describes the arguments), for example
 #   bash tests/benchmarks/commands.sh --only sweep-up/hertz --rounds 3 --alone
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How does the cost of a forcing period, with its sensitivity, grow with the number of impacts in it? (With the period n of an
-// orbit: orbits.cpp; with the number of states: chain.cpp.)
+// Cost of a forcing period with its sensitivity as a function of the number of impacts in it. (Period n of an orbit:
+// orbits.cpp; number of states: chain.cpp.)
 #include "solvers.hpp"
 
 namespace benchmarks {
@@ -8,8 +8,8 @@ namespace {
 
 using namespace graze;
 
-/// The elastic stop at x = 0: half of the forcing period the force presses the mass against it, and it bounces; the slower the
-/// forcing, the more often.
+/// The elastic stop at x = 0: for half of the forcing period the force presses the mass against it, and the mass bounces.
+/// Slower forcing gives more impacts.
 Problem pressed(double eta) {
   Problem p = problem("newton-elastic");
   p.name = "pressed, eta = " + std::to_string(eta);

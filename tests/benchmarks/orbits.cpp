@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What does an orbit cost, and how does that grow with its period n? What does a point of a branch cost? What a row of a sweep?
-// graze does it by `shoot`, `continue_orbit` and `sweep` at their defaults (1e-13), with everything these give besides: free
-// re-simulation and checks; test functions, the period doubling located; the look for a periodic attractor. The baselines do the
-// least that gives the numbers, at the tolerance of theirs that delivers 1e-10 over a period: Newton's method on the return map;
-// the same at as many parameter values as the branch has points; transient and Gram-Schmidt.
+// Cost of an orbit as a function of its period n, of a point of a branch, and of a row of a sweep. graze uses `shoot`,
+// `continue_orbit` and `sweep` at their defaults (1e-13). Their additional work is included: free re-simulation and checks;
+// test functions and the located period doubling; the search for a periodic attractor. The baselines do the minimum for the
+// numbers, at the tolerance that gives them 1e-10 over a period. They use Newton's method on the return map, the same at as
+// many parameter values as the branch has points, and a transient with Gram-Schmidt.
 #include "solvers.hpp"
 
 #include <graze/continuation/graph/continuation.hpp>

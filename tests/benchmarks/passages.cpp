@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What does a flight cost, from one impact through the next? A passage through contact? An impact by itself? All with the 2x2
-// sensitivity, from states on the attractor, at the tolerances that deliver 1e-10 over a period.
+// Cost of a flight (from one impact through the next), of a passage through contact, and of an impact by itself. All include
+// the 2x2 sensitivity, start from states on the attractor, and use the tolerances that give 1e-10 over a period.
 #include "solvers.hpp"
 
 #include <graze/lib/motion/trajectory.hpp>
@@ -10,7 +10,7 @@ namespace {
 
 using namespace graze;
 
-/// States just behind the events of a kind.
+/// States immediately after the events of a kind.
 std::vector<HybridState> departures(const Problem& p, EventKind kind) {
   const HybridSystem system = make_system(p);
   const Start& first = attractor(p).front();

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is the machine's peak? Independent chains of a multiplication and an addition each, in registers alone: nanoseconds for a
-// thousand operations, one at a time (double), two (SSE2, what every x86-64 has), four (AVX2) and eight (AVX-512). Rounded
-// separately they are two operations, fused (rows fused-lanes=N) they are one. The floor in period.cpp is counted in these.
+// Peak performance of the machine: independent chains of a multiplication and an addition each, in registers alone. The result
+// is the time in nanoseconds for a thousand operations: one at a time (double), two (SSE2, part of every x86-64), four (AVX2)
+// and eight (AVX-512). With separate rounding they are two operations; fused (rows fused-lanes=N) they are one. The lower
+// bound in period.cpp is counted in these.
 #include <benchmark/benchmark.h>
 
 namespace {
 
 constexpr int chains = 12, rounds = 500;
 
-/// Fused: where the processor can (the compiler contracts them unless it is kept from it).
+/// Fused where the processor supports it (the compiler contracts them unless this is prevented).
 template <bool Fused, class Number> [[gnu::always_inline]] inline void multiply_and_add(benchmark::State& state, int lanes) {
   Number factor = Number{} + 0.999, addend = Number{} + 0.1;
   benchmark::DoNotOptimize(factor);
   benchmark::DoNotOptimize(addend);
   Number a = factor, b = a + 1.0, c = a + 2.0, d = a + 3.0, e = a + 4.0, f = a + 5.0, g = a + 6.0, h = a + 7.0, i = a + 8.0,
          j = a + 9.0, k = a + 10.0, l = a + 11.0;
-  // (Numbers of their own, and no loop over them: they stay in registers.)
+  // (Separate variables without a loop stay in registers.)
   const auto next = [&factor, &addend ](Number & x) __attribute__((always_inline)) {
     Number product = x * factor;
     if constexpr (!Fused) asm volatile("" : "+x"(product));
@@ -24,7 +25,7 @@ template <bool Fused, class Number> [[gnu::always_inline]] inline void multiply_
   for (auto _ : state) {
     for (int round = 0; round < rounds; ++round) {
       next(a), next(b), next(c), next(d), next(e), next(f), next(g), next(h), next(i), next(j), next(k), next(l);
-      asm volatile("" : "+x"(a));  // not computed ahead
+      asm volatile("" : "+x"(a));  // not computed at compile time
     }
   }
   Number all = a + b + c + d + e + f + g + h + i + j + k + l;

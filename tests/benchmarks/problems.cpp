@@ -98,7 +98,8 @@ const std::vector<Start>& near_grazing(const Problem& problem) {
     baselines::State<2> u{x_m, 0.0}, k1, k2, k3, k4, w;
     field(t_m, u.data(), k1.data());
     if (k1[1] > -0.05 * size) continue;
-    // Backwards from the maximum by small steps of RK4: its error only moves the maximum by far less than it is away.
+    // Backwards from the maximum by small steps of RK4: its error moves the maximum by far less than its distance from the
+    // barrier.
     const int steps = 2000;
     const double h = -random(0.2, 0.9) * problem.period() / steps;
     const auto shift = [&](const baselines::State<2>& k, double s) {

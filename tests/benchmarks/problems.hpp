@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is measured: the systems of data/problems, states on their attractors, and starts next to grazing; and the solvers, graze
-// and baselines, behind one interface: period(t0, t1, x, v) -> state with its 2x2 sensitivity and number of impacts.
+// The measured problems: the systems of data/problems, states on their attractors, and starts near grazing. Also the solvers,
+// graze and baselines, behind one interface: period(t0, t1, x, v) -> state with its 2x2 sensitivity and number of impacts.
 #pragma once
 
 #include "baselines/oscillator.hpp"
@@ -22,18 +22,18 @@ struct Problem {
   std::string name;
   Law law = Law::hertz;
   Parameters p = {};
-  double x = 0.0, v = 0.0;  ///< from where the attractor is reached
+  double x = 0.0, v = 0.0;  ///< a start in the basin of the attractor
   double period() const { return 2.0 * 3.14159265358979323846 / p.eta; }
 };
 
-/// The systems of data/problems, where their motion is chaotic (oscillators) or has several impacts (beams).
+/// The systems of data/problems, at parameters where their motion is chaotic (oscillators) or has several impacts (beams).
 const std::vector<Problem>& problems();
 const Problem& problem(const std::string& name);
 
 graze::HybridSystem make_system(const Problem& problem);
 graze::Vector make_parameters(const Problem& problem);
 
-/// A run of less than a forcing period or of one, and what comes out.
+/// A run of at most one forcing period, and its result.
 struct Start {
   double t0 = 0.0, t1 = 0.0, x = 0.0, v = 0.0;
 };
@@ -45,8 +45,8 @@ struct Outcome {
 
 /// 200 forcing periods of the motion on the attractor.
 const std::vector<Start>& attractor(const Problem& problem);
-/// 200 runs whose first maximum lies within 1e-8 to 1e-3 of the barrier, beyond or short of it, and which end half a forcing
-/// period after it.
+/// 200 runs whose first maximum lies within 1e-8 to 1e-3 of the barrier, beyond or short of it. They end half a forcing period
+/// after it.
 const std::vector<Start>& near_grazing(const Problem& problem);
 
 /// graze through its public interface.
@@ -63,7 +63,7 @@ class Graze {
   graze::Vector x0_;
 };
 
-/// Many motions side by side, in the lanes of the processor's SIMD registers: whole forcing periods from phase 0 only.
+/// Many motions side by side, in the lanes of the processor's SIMD registers: only whole forcing periods from phase 0.
 class GrazeLanes {
  public:
   GrazeLanes(const Problem& problem, double tolerance);
@@ -79,13 +79,13 @@ class GrazeLanes {
   std::vector<graze::PeriodResult> results_;
 };
 
-/// What is right: the general flow (GSL, events by bisection of cubic polynomials) at 1e-14, at its default step limit.
+/// The exact results: the general flow (GSL, events by bisection of cubic polynomials) at 1e-14, at its default step limit.
 const std::vector<Outcome>& reference(const Problem& problem, const std::vector<Start>& starts);
 
-/// Of the state relative to 1 + |x|, of the sensitivity relative to its norm; the larger of the two.
+/// The larger of the errors of the state, relative to 1 + |x|, and of the sensitivity, relative to its norm.
 double error(const Outcome& outcome, const Outcome& exact);
 
-/// How well a solver does at a tolerance, over all starts; runs with a wrong number of impacts are counted, and have no error.
+/// Accuracy of a solver at a tolerance, over all starts. Runs with a wrong number of impacts are counted and have no error.
 struct Accuracy {
   double tolerance = 0.0, median = 0.0, ninetieth = 0.0, worst = 0.0;
   int miscounted = 0;
@@ -108,9 +108,9 @@ template <class Solver> Accuracy accuracy(Solver&& solver, double tolerance, con
   return summarise(tolerance, std::move(errors), miscounted);
 }
 
-/// The loosest tolerance, in steps of a quarter of a decade, at which nine periods of ten on the attractor end within 1e-10 of
-/// what is right (state and sensitivity). Chaos multiplies errors: the worst of them are of the motion, and the same for all
-/// solvers.
+/// The loosest tolerance, in steps of a quarter of a decade, at which 90 per cent of the periods on the attractor end within
+/// 1e-10 of the exact result (state and sensitivity). Chaos amplifies errors: the worst ones are a property of the motion, and
+/// the same for all solvers.
 inline constexpr double wanted_accuracy = 1e-10;
 template <class AccuracyAt> Accuracy tuned(const AccuracyAt& accuracy_at) {
   const auto at = [&](int quarters) { return accuracy_at(std::pow(10.0, -0.25 * quarters)); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All solvers by name, each tuned once per problem, and the counters they report. A benchmark is named question/problem/solver;
+// All solvers by name, each tuned once per problem, and their reported counters. A benchmark is named question/problem/solver;
 // table.py compares the solvers of one question and problem.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace benchmarks {
 
-/// The accuracy of a solver on the attractor at the tolerance it is used with. Computed at first use, as Google Benchmark calls a
+/// The accuracy of a solver on the attractor at its tolerance. Computed at first use, because Google Benchmark calls a
 /// benchmark more than once.
 template <class Make> const Accuracy& tuning(const Problem& p, const std::string& name, const Make& make) {
   static std::map<std::string, Accuracy> known;
@@ -23,7 +23,7 @@ template <class Make> const Accuracy& tuning(const Problem& p, const std::string
   return entry->second;
 }
 
-/// How many of the runs next to grazing have a wrong number of impacts at that tolerance.
+/// Number of the runs near grazing with a wrong number of impacts at that tolerance.
 template <class Make> int miscounted(const Problem& p, const std::string& name, const Make& make) {
   static std::map<std::string, int> known;
   const auto [entry, is_new] = known.try_emplace(p.name + "/" + name);
@@ -51,7 +51,7 @@ template <class Visit> void with_baselines(const Problem& p, const Visit& visit)
   p.law == Law::hertz ? with_baselines<Law::hertz>(p, visit) : with_baselines<Law::newton>(p, visit);
 }
 
-/// The same for graze, its general flow (what a system of one's own is carried by), and every baseline.
+/// The same for graze, its general flow (used for user-defined systems), and every baseline.
 template <class Visit> void with_solvers(const Problem& p, const Visit& visit) {
   visit(std::string("graze"), [p](double tolerance) { return Graze(p, tolerance); });
   visit(std::string("graze-general"), [p](double tolerance) { return Graze(p, tolerance, graze::FlowKind::general); });

@@ -4,9 +4,9 @@
 
 usage: table.py RESULT.json
 
-Benchmarks are named question/problem/solver. Times are CPU times, the least of the repetitions (other work on the machine only
-adds to them). `ratio` is a solver's time over graze's, of the same question and problem in the same run. `growth` compares the
-rows of graze within a question with its first row.
+Benchmarks are named question/problem/solver. Times are CPU times, the shortest of the repetitions (other work on the machine
+only adds to them). `ratio` is a solver's time over that of graze, for the same question and problem in the same run. `growth`
+compares the rows of graze within a question with its first row.
 """
 import json
 import platform
@@ -37,7 +37,7 @@ QUESTIONS = ("peak", "period", "flight", "contact", "impact", "orbit", "branch-p
 
 
 def order(name):
-    """Questions and solvers as listed above, numbers in problem names (n=16, eta=0.5) by size, eta downwards."""
+    """Sort key: questions and solvers as listed above, numbers in problem names (n=16, eta=0.5) by size, eta downwards."""
     question, problem, solver = name.split("/")
     key, _, value = problem.partition("=")
     rank = lambda item, known: known.index(item) if item in known else len(known)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Branches of autonomous orbits: limit cycles of van der Pol's oscillator before a stop, against cycles found anew by simulation;
-// through their grazing, their period doublings and branch points.
+// Branches of autonomous orbits. Limit cycles of van der Pol's oscillator before a stop are compared with cycles from
+// simulation. The branches pass grazings, period doublings and branch points.
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/orbit/returns.hpp>
@@ -20,7 +20,7 @@ using namespace graze::support;
 
 namespace {
 
-/// Three states without impacts, whose returns are where y rises through zero.
+/// Three states without impacts; a return is a crossing of y = 0 from below.
 HybridSystem flow_in_space(const std::vector<std::pair<std::string, std::string>>& parameters, const std::string& equations) {
   SystemWriter writer;
   writer.states({"x", "y", "z"});
@@ -45,7 +45,7 @@ PeriodicOrbit attracting(const HybridSystem& system, const Vector& p, const Vect
 
 }  // namespace
 
-TEST_CASE("autonomous orbits are continued, with their durations") {
+TEST_CASE("autonomous orbits are continued with their durations") {
   const HybridSystem system = van_der_pol_stop();
   for (const auto& [name, to] : {std::pair("mu", 1.5), {"mu", 0.2}, {"k_r", 0.5}, {"r", 0.8}}) {
     INFO(name << " to " << to);
@@ -61,7 +61,7 @@ TEST_CASE("autonomous orbits are continued, with their durations") {
     CHECK(check_branch(system, branches[0]) == std::vector<std::string>{});
     const BranchPoint& end = branches[0].points.back();
     CHECK(end.value == Approx(to));
-    // From rest the motion comes to the cycle by itself.
+    // From rest the motion settles on the cycle without Newton's method.
     const Vector p = parameters(system, {{name, to}});
     const Trajectory settled = simulate(system, p, 0.0, vector({0.5, 0.0}), {.t_end = 2000.0});
     const Trajectory to_impact = simulate(system, p, 0.0, settled.x, {.t_end = 50.0, .max_events = 1});
@@ -71,7 +71,7 @@ TEST_CASE("autonomous orbits are continued, with their durations") {
   }
 }
 
-TEST_CASE("the cycle of van der Pol's oscillator gains and loses its impact where its amplitude is the stop's distance") {
+TEST_CASE("the cycle of van der Pol's oscillator gains and loses its impact where its amplitude is the distance of the stop") {
   const HybridSystem system = van_der_pol_stop();
   constexpr double amplitude = 2.0024879304471086;  // at mu = 0.5, by scipy's DOP853
   const Vector far = parameters(system, {{"r", 2.2}});
@@ -93,7 +93,7 @@ TEST_CASE("the cycle of van der Pol's oscillator gains and loses its impact wher
   CHECK(check_branch(system, in[1]) == std::vector<std::string>{});
   const BranchPoint& struck = in[1].points.back();
   CHECK(struck.impacts == 1);
-  // The cycle with the impact, found by simulation alone.
+  // The cycle with the impact, from simulation alone.
   const Vector p = parameters(system, {{"r", 1.8}});
   const Trajectory settled = simulate(system, p, 0.0, vector({0.5, 0.0}), {.t_end = 2000.0});
   const Trajectory to_impact = simulate(system, p, 0.0, settled.x, {.t_end = 50.0, .max_events = 1});
@@ -111,7 +111,7 @@ TEST_CASE("the cycle of van der Pol's oscillator gains and loses its impact wher
   CHECK(out[1].points.back().duration == Approx(free.duration).epsilon(1e-10));
 }
 
-TEST_CASE("a doubled autonomous orbit is followed, and is the one on which motions settle") {
+TEST_CASE("a doubled autonomous orbit is followed and attracts motions") {
   const HybridSystem system = roessler();
   const PeriodicOrbit orbit = attracting(system, parameters(system), vector({1.0, 1.0, 0.0}));
   ContinuationOptions options;
@@ -164,7 +164,7 @@ TEST_CASE("both halves of a pitchfork of autonomous orbits are followed") {
     CHECK(branches[k].parent->label == crossings[0].label);
     CHECK(branches[k].stop == BranchStop::reached_bound);
     CHECK(check_branch(system, branches[k]) == std::vector<std::string>{});
-    // Since z'/z has the mean zero, that of z^2 is p: the multiplier is exp(2 pi (p - 3 p)).
+    // The mean of z'/z is zero, so that the mean of z^2 is p: the multiplier is exp(2 pi (p - 3 p)).
     for (const BranchPoint& point : branches[k].points)
       CHECK(point.multipliers.values.front().real() == Approx(std::exp(-4.0 * std::numbers::pi * point.value)).epsilon(1e-8));
   }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What begins beyond a hard grazing, against closed forms: stable stretches of orbits with one impact in n periods that are
-// inadmissible between two grazings and bridged by orbits with one impact more; windows narrower than 1e-7; several contacts that
-// touch together; and contacts with nothing beyond.
+// Families beyond a hard grazing, against closed forms. The cases are:
+// - stable stretches of orbits with one impact in n periods that are inadmissible between two grazings, bridged by orbits with
+//   one impact more;
+// - windows narrower than 1e-7;
+// - several contacts that touch together;
+// - contacts without a family beyond.
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
@@ -30,8 +33,8 @@ struct Stretch {
 
 constexpr auto in_eta = &OneImpactParameters::eta, in_k_r = &OneImpactParameters::k_r, in_b = &OneImpactParameters::b;
 
-/// Found by a scan of the closed form over random b, k_r, eta, r and n, xi = 1. In r and in xi none was
-/// found in 330000 stable intervals, at 40 values each.
+/// Found by a scan of the closed form over random b, k_r, eta, r and n with xi = 1. In r and in xi no such stretch was found
+/// in 330000 stable intervals at 40 values each.
 const std::vector<Stretch> stretches{
     {"eta", in_eta, 0.013728, 0.566610, 0, 1, 1.1297747, 0.35800, 0.2697692, 0.2582231},
     {"eta", in_eta, 0.050661, 0.790329, 0, 1, 1.0005428, 0.11375, 0.2195747, 0.2058732},
@@ -40,14 +43,14 @@ const std::vector<Stretch> stretches{
     {"eta", in_eta, 0.030665, 0.470513, 0, 3, 3.3347143, 2.28382, 0.8299420, 0.8241324},
     {"eta", in_eta, 0.185018, 0.541444, 0, 3, 0.1800793, 0.22022, 3.4586807, 3.4805857},
     {"eta", in_eta, 0.039656, 0.801277, 0, 4, 0.3795890, 0.13791, 4.3409036, 4.2851230},
-    // The impact across is slower than 1e-5 all the way: a free run does not reproduce it.
+    // The impact between the two grazings is slower than 1e-5 throughout: a free run does not reproduce it.
     {"eta", in_eta, 0.092843, 1.000000, 0, 4, 0.2654794, 0.16096, 4.5427453, 4.5479695},
     {"eta", in_eta, 0.008400, 0.824691, 0, 6, 0.5185232, 0.06092, 6.1925497, 6.1894534},
     {"b", in_b, 0, 0.174085, 5.8157924, 3, -0.0152326, 0.26102, 0.042859, 0.0272156},
     {"b", in_b, 0, 0.821074, 3.5485713, 2, -0.0400852, 0.25808, 0.113738, 0.0963361},
 };
 
-/// The 1/n orbit of the stretch at a value of its parameter, the one whose speed is nearest.
+/// The 1/n orbit of the stretch at a value of its parameter: the orbit with the nearest impact speed.
 OneImpactOrbit orbit_at(const Stretch& s, double value, double speed) {
   OneImpactParameters q{.b = s.b, .xi = 1.0, .eta = s.eta, .r = s.r, .k_r = s.k_r};
   q.*s.value = value;
@@ -57,7 +60,7 @@ OneImpactOrbit orbit_at(const Stretch& s, double value, double speed) {
   return best;
 }
 
-/// Where the highest maximum of its flight reaches the barrier (secant).
+/// The value at which the highest maximum of its flight reaches the barrier (secant method).
 double grazing_near(const Stretch& s, double guess, double& speed) {
   const double width = s.to - s.from;
   double a = guess - 0.01 * width, b = guess + 0.01 * width;
@@ -80,7 +83,7 @@ TEST_CASE("a stable stretch that is inadmissible between two grazings is bridged
   for (const Stretch& s : stretches) {
     double speed = s.speed;
     const double first = grazing_near(s, s.from, speed);
-    // On to the other one, with the orbit followed in its closed form.
+    // The closed form leads to the other grazing.
     bool stable = true;
     OneImpactOrbit inside;
     for (int i = 1; i <= 20; ++i) {
@@ -106,7 +109,7 @@ TEST_CASE("a stable stretch that is inadmissible between two grazings is bridged
     options.switch_generations = 0;
     const std::vector<Branch> branches = continue_orbit(newton_oscillator(), orbit, options);
     REQUIRE(branches.size() == 3);
-    // The closed form's maxima are exact to 1e-15, and move with the parameter by a hundredth of it at the least.
+    // The maxima of the closed form are exact to 1e-15 and change with the parameter at a rate of at least 0.01.
     const double exact[] = {first, second};
     for (const int k : {0, 1}) {
       const Branch& branch = branches[static_cast<std::size_t>(k)];
@@ -122,13 +125,13 @@ TEST_CASE("a stable stretch that is inadmissible between two grazings is bridged
       CHECK(next.parent->label == grazings[0].label);
       CHECK(next.period == s.n);
     }
-    // Across, all of it between the two.
+    // The bridge covers the whole interval between the grazings.
     for (const BranchPoint& point : branches[1].points) {
       CHECK(point.impacts == 2);
       CHECK(point.admissible == Admissibility::admissible);
       CHECK((point.value - first) * (point.value - second) <= 0.0);
     }
-    // And back on the 1/n orbits of the closed form.
+    // Then the branch is on the 1/n orbits of the closed form again.
     CHECK(branches[2].stop == BranchStop::reached_bound);
     const BranchPoint& last = branches[2].points.back();
     CHECK(last.impacts == 1);
@@ -175,8 +178,8 @@ TEST_CASE("a stable stretch may also end in a nonsmooth fold: the orbits with on
   }
 }
 
-TEST_CASE("a branch of hard impacts sets out in the direction asked for") {
-  // The states of this orbit change fast with eta, and their differences at a fixed state once told the wrong way.
+TEST_CASE("a branch of hard impacts starts in the requested direction") {
+  // The states of this orbit change fast with eta. Their differences at a fixed state once gave the wrong direction.
   const Stretch& s = stretches.front();
   const OneImpactOrbit start = orbit_at(s, 0.2715, s.speed);
   REQUIRE(start.admissible());
@@ -191,12 +194,12 @@ TEST_CASE("a branch of hard impacts sets out in the direction asked for") {
 }
 
 TEST_CASE("stable windows down to 2e-10 wide between a fold and a grazing: both ends agree with the closed form") {
-  // b = 0.14, k_r = 0.7, n = 3: at eta = 3.35849937 the fold in r and the grazing of a second maximum coincide, and nearby the
-  // window between them is the square of the distance.
+  // b = 0.14, k_r = 0.7, n = 3: at eta = 3.35849937 the fold in r coincides with the grazing of a second maximum. Nearby, the
+  // width of the window between them is the square of the distance.
   for (const double eta : {3.358799, 3.3586, 3.35853, 3.35851}) {
     OneImpactParameters q{.b = 0.14, .xi = 1.0, .eta = eta, .r = 0.0, .k_r = 0.7};
     const OneImpactFamily family = one_impact_family(q, 3);
-    // By the speed v: r = alpha v + sqrt(A^2 - slope^2 v^2) is largest at the fold.
+    // As a function of the speed v, r = alpha v + sqrt(A^2 - slope^2 v^2) is largest at the fold.
     const double A = impactless_amplitude(q), slope = std::abs(family.slope), steep = std::hypot(family.alpha, slope);
     const double fold_speed = A * family.alpha / (slope * steep), fold = A * steep / slope;
     const auto orbit_of = [&](double v) {
@@ -244,11 +247,11 @@ TEST_CASE("stable windows down to 2e-10 wide between a fold and a grazing: both 
   }
 }
 
-TEST_CASE("an orbit that grazes two barriers at once goes on with one of the impacts or with both, as the closed form says") {
-  // x'' + 2 b x' + x = xi cos(eta t) between -r and r, seen from the impactless orbit. A kick D = (1 + k_r) v at the upper touch
-  // moves the orbit by y = (Phi(T) - I)^{-1} (0, D) there and by Phi(T/2) y at the lower one. With s, c = sin, cos(w T / 2) the
-  // orbit with one impact does not meet the other barrier if s (1 + c) < 0, eta in (1/2, 1) for small b; it exists beyond the
-  // grazing where sin(w T) > 0. That with both exists always, for s > 0 (eta > 1) on the near side.
+TEST_CASE("an orbit that grazes two barriers at once continues with one impact or with both as in the closed form") {
+  // x'' + 2 b x' + x = xi cos(eta t) between -r and r, relative to the impactless orbit. A kick D = (1 + k_r) v at the upper
+  // touch moves the orbit by y = (Phi(T) - I)^{-1} (0, D) there and by Phi(T/2) y at the lower one. Let s, c = sin, cos(w T /
+  // 2). The orbit with one impact misses the other barrier if s (1 + c) < 0, which is eta in (1/2, 1) for small b. It exists
+  // beyond the grazing if sin(w T) > 0. The orbit with both impacts always exists, for s > 0 (eta > 1) on the near side.
   const HybridSystem system = two_sided_oscillator(true);
   const double b = 0.05;
   int seen[3] = {0, 0, 0};
@@ -285,8 +288,8 @@ TEST_CASE("an orbit that grazes two barriers at once goes on with one of the imp
   CHECK(seen[2] >= 3);
 }
 
-TEST_CASE("where nothing begins beyond a grazing the scenario is none, and the list of what was not followed says why") {
-  // A latch: the mass that reaches x = r is caught by a stiffer spring for good. Nothing is left near the orbit that touches it.
+TEST_CASE("if no family begins beyond a grazing the scenario is none and the cut-off list gives the reason") {
+  // A latch: a mass that reaches x = r is caught by a stiffer spring forever. No orbit remains near the grazing one.
   HybridSystem system = make_oscillator("linear", "newton");
   system.modes.push_back(system.modes.front());
   system.modes.back().name = "caught";

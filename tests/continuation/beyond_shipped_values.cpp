@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Branches away from the shipped parameter values, where they once ended for a false reason or carried points that are none. The
-// values are those of 40-digit arithmetic on the closed forms (one impact) and on the events' equations (several).
+// Branches beyond the shipped parameter values, where they once ended for a wrong reason or had false special points. The
+// reference values are from 40-digit arithmetic on the closed forms (one impact) and on the equations of the events (several).
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/attractor/settle.hpp>
@@ -27,12 +27,12 @@ struct Run {
   Settings set = {};
   std::string parameter = "eta";
   double from = 0.0, to = 0.0;
-  Vector start = {};  ///< empty: what the motion from rest settles on
+  Vector start = {};  ///< empty: the orbit on which the motion from rest settles
   int period = 1;
   int generations = 1;
 };
 
-/// What `graze continue` does.
+/// The computation of `graze continue`.
 std::vector<Branch> follow(const Run& run) {
   const HybridSystem system = make_oscillator(run.oscillator, run.contact);
   Vector p = parameters(system, run.set);
@@ -56,7 +56,7 @@ const SpecialPoint* nearest(const std::vector<Branch>& branches, PointType type,
   return found;
 }
 
-/// The point of that type is there, to the digits of `value`.
+/// Requires a special point of that type there, to the digits of `value`.
 const SpecialPoint& point_at(const std::vector<Branch>& branches, PointType type, double value, double digits = 1e-12) {
   const SpecialPoint* found = nearest(branches, type, value);
   INFO(point_type_name(type) << " at " << fmt::format("{:.15g}", value));
@@ -115,9 +115,9 @@ TEST_CASE("no branch is closed in the middle of its range where an impact passes
   }
 }
 
-TEST_CASE("an impact that gives nothing back goes over into one that sticks, and back (fixed)") {
-  // Released where cos(eta t) = r at rest, the mass is back at r just T later: at eta = 1.2646035797545 for r = 0.7, at
-  // 1.4684442530694 for r = 0.4. Nothing else happens there.
+TEST_CASE("with zero restitution a branch changes between an impact and sticking in both directions (fixed)") {
+  // A mass released at rest where cos(eta t) = r returns to r exactly T later: at eta = 1.2646035797545 for r = 0.7, at
+  // 1.4684442530694 for r = 0.4. There is no other change at this point.
   struct Case {
     double r, at, from, to;
   };
@@ -138,29 +138,29 @@ TEST_CASE("an impact that gives nothing back goes over into one that sticks, and
     options.switch_generations = 0;
     const Branch branch = continue_orbit(system, orbit, options).front();
     CHECK(branch.stop == BranchStop::reached_bound);
-    // On both sides of the change the orbit is what a motion from beside it settles on.
+    // On both sides of the change, motions nearby settle on the orbit of the branch.
     for (const BranchPoint& point : branch.points) {
       if (!point.stable || std::abs(point.value - c.at) > 0.05) continue;
       Vector there = p;
       there[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = point.value;
       const Vector state = settle(system, there, point.state(), {.periods = 50}).state;
       CHECK((state - point.state()).norm() < 1e-9);
-      // Within 1e-6 of the change the force that presses the mass is smaller than what tells the two apart.
+      // Within 1e-6 of the change the contact force is below the threshold that distinguishes sticking from impact.
       if (std::abs(point.value - c.at) > 1e-6) CHECK((point.isolated_impacts == point.impacts) == (point.value > c.at));
     }
   }
 }
 
-TEST_CASE("a sticking branch is no closed one, either (fixed)") {
+TEST_CASE("a sticking branch is not reported as closed (fixed)") {
   const std::vector<Branch> branches =
       follow({.set = {{"b", 0.02}, {"r", 0.5}, {"k_r", 0.8}}, .from = 0.05, .to = 0.5, .generations = 0});
   REQUIRE_FALSE(branches.empty());
   for (const Branch& branch : branches) CHECK(branch.message.find("closed") == std::string::npos);
-  // It sticks up to there, and loses an impact of its last complete series beyond.
+  // It sticks up to there. Beyond, the last complete series loses an impact.
   CHECK(branches.front().points.back().value > 0.2);
 }
 
-TEST_CASE("no branch point is made up where an impact passes phase 0, and no period doubling is missed there (fixed)") {
+TEST_CASE("no branch point is reported where an impact passes phase 0 and no period doubling is missed there (fixed)") {
   const Run run{.set = {{"b", 0.0193}, {"r", 0.101}, {"k_r", 0.92}}, .from = 2.0, .to = 0.4};
   const std::vector<Branch> branches = follow(run);
   CHECK(types_of(branches.front()) == "PD PD GR");
@@ -168,10 +168,10 @@ TEST_CASE("no branch point is made up where an impact passes phase 0, and no per
   for (const Branch& branch : branches) CHECK(points_of(branch, PointType::BP).empty());
 }
 
-TEST_CASE("the grazing on which a branch ends is its own, lost or gained as the branch goes (fixed)") {
+TEST_CASE("the grazing at the end of a branch belongs to it and is lost or gained in its direction (fixed)") {
   const Run first{.set = {{"b", 0.2238}, {"r", 0.657}, {"k_r", 0.419}}, .from = 1.1, .to = 0.35};
   const std::vector<Branch> branches = follow(first);
-  // Near complete chatter, beyond twenty impacts, grazings come so close that the last branch may end for that.
+  // Near complete chatter, beyond twenty impacts, grazings are so close that the last branch may end for that reason.
   for (const Branch& branch : branches)
     if (branch.points.back().impacts < 19) check_points(first, {branch});
   CHECK(text_detail(point_at(branches, PointType::GR, 0.5307327245, 1e-10), "kind") == "lost");
@@ -185,7 +185,7 @@ TEST_CASE("the grazing on which a branch ends is its own, lost or gained as the 
   CHECK(std::get<std::vector<double>>(lost.details.at("impacts")) == std::vector<double>{7.0, 6.0});
 }
 
-TEST_CASE("a doubled branch has twice the impacts of its parent, and the criticality is its side (fixed)") {
+TEST_CASE("a doubled branch has twice the impacts of its parent and its side gives the criticality (fixed)") {
   const Run cantilever{.oscillator = "cantilever",
                        .contact = "linear",
                        .set = {{"b", 0.026}, {"beta", 36.0 / 35.0}, {"xi", 0.08}, {"r", 0.079}, {"k_S", 25.0}},
@@ -200,7 +200,7 @@ TEST_CASE("a doubled branch has twice the impacts of its parent, and the critica
   CHECK(text_detail(point_at(rigid, PointType::PD, 0.532814055737), "criticality") == "subcritical");
 }
 
-TEST_CASE("a branch that begins on the end of its range, closer to a fold than one step, stays in the range (fixed)") {
+TEST_CASE("a branch that begins on the end of its range closer to a fold than one step stays in the range (fixed)") {
   const Run run{.set = {}, .from = 0.5711974034103127, .to = 0.4, .start = Vector{{0.46831931136246866, -1.2735306561703334}}};
   const std::vector<Branch> branches = follow(run);
   check_points(run, branches);
@@ -208,7 +208,7 @@ TEST_CASE("a branch that begins on the end of its range, closer to a fold than o
   CHECK(branches.front().stop == BranchStop::reached_bound);
 }
 
-TEST_CASE("no fold is seen where a doubled branch begins, and no branch point in a conservative resonance (fixed)") {
+TEST_CASE("no fold is reported at the start of a doubled branch and no branch point in a conservative resonance (fixed)") {
   const std::vector<Branch> doubled = follow({.set = {{"b", 0.0105}, {"r", 2.457}, {"k_r", 0.722}},
                                               .from = 0.87222473004942148,
                                               .to = 4.0,
@@ -223,16 +223,16 @@ TEST_CASE("no fold is seen where a doubled branch begins, and no branch point in
   const SpecialPoint& birth = point_at(flat, PointType::PD, 0.9954905537891808);
   for (const Branch& branch : flat)
     for (const SpecialPoint& fold : points_of(branch, PointType::LP)) CHECK(std::abs(fold.value - birth.value) > 1e-8);
-  // Nothing is lost, and nothing is thrown: all orbits at eta = 1 have multipliers 1.
+  // The computation completes without an exception: all orbits at eta = 1 have multipliers 1.
   const std::vector<Branch> conservative = follow({.set = {{"b", 0.0}}, .from = 1.3, .to = 0.7});
   CHECK(conservative.size() > 1);
   for (const Branch& branch : conservative)
     for (const SpecialPoint& point : points_of(branch, PointType::BP)) CHECK(std::abs(point.value - 1.0) > 1e-6);
 }
 
-TEST_CASE("folds up to their grazing are found in the coordinates of the events, and errors cover the truth (fixed)") {
+TEST_CASE("folds up to their grazing are found in the coordinates of the events and errors are bounds (fixed)") {
   const std::vector<Branch> branches = follow({.set = {{"b", 0.2952}, {"r", 0.159}, {"k_r", 0.315}}, .from = 1.7, .to = 0.35});
-  // 2.4e-7 away from its grazing, where the weak impact has a speed below that of any point of the branch.
+  // 2.4e-7 away from its grazing, where the weak impact is slower than at any point of the branch.
   const SpecialPoint& fold = point_at(branches, PointType::LP, 0.961013163576, 1e-11);
   CHECK(fold.precision < 1e-10);
   CHECK(text_detail(*nearest(branches, PointType::GR, 0.961012927713), "scenario") == "nonsmooth-fold");
@@ -246,7 +246,7 @@ TEST_CASE("folds up to their grazing are found in the coordinates of the events,
   CHECK(folds > 4);
 }
 
-TEST_CASE("the criticality beside a grazing is that of the coordinates of the events (fixed)") {
+TEST_CASE("the criticality near a grazing uses the coordinates of the events (fixed)") {
   const HybridSystem system = make_oscillator("linear", "newton");
   struct At {
     double eta, near;
@@ -268,8 +268,8 @@ TEST_CASE("the criticality beside a grazing is that of the coordinates of the ev
   }
 }
 
-TEST_CASE("a grazing from inside a soft contact is located as well as one from outside (fixed)") {
-  // Two contacts become one: what grazes is the flight between them.
+TEST_CASE("a grazing from inside a soft contact is located as accurately as one from outside (fixed)") {
+  // Two contacts merge: the flight between them grazes.
   const Settings soft{{"b", 0.05}, {"r", 0.0}, {"k_S", 15.0}};
   std::vector<double> found[2];
   for (const bool down : {true, false}) {
@@ -286,14 +286,14 @@ TEST_CASE("a grazing from inside a soft contact is located as well as one from o
   for (std::size_t k = 0; k < found[0].size(); ++k) CHECK(std::abs(found[0][k] - found[1][k]) < 1e-12);
 }
 
-TEST_CASE("states of a grazing orbit behind its touch do not carry a push by rounding (fixed)") {
+TEST_CASE("states of a grazing orbit after its touch are not displaced by rounding (fixed)") {
   const Settings set = {{"b", 0.03}, {"r", 0.0}, {"k_r", 0.9}};
   const double value = 3.013028054882214;
   const Vector start{{-0.0033614965028724323, 0.24230179542866798}};
   const std::vector<Branch> branches =
       follow({.set = set, .from = 3.0216995199236902, .to = 3.0, .start = start, .period = 4, .generations = 0});
   const SpecialPoint& touching = point_at(branches, PointType::GR, value);
-  // It touches in its second period: the others are free runs from state to state.
+  // It touches in its second period: the other periods are free runs from state to state.
   const HybridSystem system = make_oscillator("linear", "newton");
   Vector p = parameters(system, set);
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = touching.value;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tracer knows nothing of orbits: curves given by plain equations.
+// The tracer does not depend on orbits: these curves are given by plain equations.
 #include <graze/continuation/trace/trace.hpp>
 
 #include <catch2/catch.hpp>
@@ -36,7 +36,7 @@ ZeroProblem cubic() {
 
 }  // namespace
 
-TEST_CASE("the tracer goes round a circle and closes, in both directions") {
+TEST_CASE("the tracer follows a circle and closes in both directions") {
   for (const double direction : {1.0, -1.0}) {
     const Curve curve = trace(circle(), Vector{{1.0, 0.0}}, Vector{{0.0, direction}});
     REQUIRE(curve.stop == TraceStop::closed);
@@ -64,7 +64,7 @@ TEST_CASE("the tracer passes both folds of a cubic without losing its direction"
   CHECK(folds == 2);
 }
 
-TEST_CASE("where the equations end the tracer says so and keeps the first failed point") {
+TEST_CASE("the tracer reports the end of the equations and keeps the first failed point") {
   ZeroProblem problem = circle();
   const auto whole = problem.evaluate;
   problem.evaluate = [whole](const Vector& u, Vector& residual, Matrix* jacobian) {
@@ -78,7 +78,7 @@ TEST_CASE("where the equations end the tracer says so and keeps the first failed
   CHECK(curve.failure.find("beyond y = 0.5") != std::string::npos);
 }
 
-TEST_CASE("a start that is no solution fails with a reason, and a limit of points is kept") {
+TEST_CASE("a start that is no solution fails with a reason and the limit of points is respected") {
   ZeroProblem nothing;
   nothing.unknowns = 2;
   nothing.evaluate = [](const Vector& u, Vector& residual, Matrix* jacobian) {
@@ -96,7 +96,7 @@ TEST_CASE("a start that is no solution fails with a reason, and a limit of point
   CHECK(limited.points.size() == 5);
 }
 
-TEST_CASE("weights set the length in which a curve is measured") {
+TEST_CASE("weights define the length along a curve") {
   ZeroProblem problem = circle();
   problem.weights = Vector::Constant(2, 4.0);
   const Curve curve = trace(problem, Vector{{1.0, 0.0}}, Vector{{0.0, 1.0}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Derivatives along a family: the tangent of the continuation problem against the quadruple-precision derivatives of
-// data/reference.toml, and the Jacobians behind the extended systems against central differences.
+// Derivatives along a family. The tangent of the continuation problem is compared with the quadruple-precision derivatives of
+// data/reference.toml. The Jacobians of the extended systems are compared with central differences.
 #include <graze/continuation/problems/orbit_problem.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
@@ -32,7 +32,7 @@ AtOrbit at_reference(const ReferenceOrbit& reference, std::size_t parameter, int
 
 }  // namespace
 
-TEST_CASE("the tangent of every family agrees with the reference's derivatives of the state") {
+TEST_CASE("the tangent of every family agrees with the reference derivatives of the state") {
   for (const ReferenceDerivative& derivative : reference_derivatives()) {
     const ReferenceOrbit& reference = reference_orbit(derivative.orbit);
     const std::size_t parameter = parameter_index(reference.system.parameters, derivative.parameter);
@@ -44,10 +44,10 @@ TEST_CASE("the tangent of every family agrees with the reference's derivatives o
       REQUIRE(at.problem.residual(at.u, residual, &jacobian));
       const Eigen::Index size = residual.size();
       const Vector du = jacobian.leftCols(size).partialPivLu().solve(-jacobian.col(size));
-      // The Jacobian is good to 1e-13 relative (the flows' tolerance), its inverse amplifies some 10 times.
+      // The relative error of the Jacobian is 1e-13 (the tolerance of the flows); its inverse amplifies it some 10 times.
       const double scale = 1.0 + derivative.state_derivative.lpNorm<Eigen::Infinity>();
       CHECK((du.head(2) - derivative.state_derivative).lpNorm<Eigen::Infinity>() < 1e-10 * scale);
-      // The tracer's tangent points the same way.
+      // The tangent of the tracer has the same direction.
       const Vector tangent = tangent_at(at.problem.zero_problem(), at.u, at.problem.parameter_direction());
       REQUIRE(tangent.size() == at.u.size());
       CHECK((tangent.head(2) / tangent[size] - derivative.state_derivative).lpNorm<Eigen::Infinity>() < 1e-10 * scale);
@@ -57,7 +57,7 @@ TEST_CASE("the tangent of every family agrees with the reference's derivatives o
 }
 
 TEST_CASE("a section at another forcing phase gives the same family") {
-  // Newton's law: nodes away from the impact, its state derivative carried back to phase 0 by simulation.
+  // Newton's law with nodes away from the impact; a simulation carries the state derivative back to phase 0.
   const ReferenceOrbit& reference = reference_orbit("newton-other-1/1-0.8");
   const std::size_t eta = parameter_index(reference.system.parameters, "eta");
   AtOrbit at = at_reference(reference, eta, 1);
@@ -75,14 +75,14 @@ TEST_CASE("a section at another forcing phase gives the same family") {
     for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(orbit.multipliers.values[i] - reference.multipliers[i]) < 1e-12);
     REQUIRE(orbit.events.size() == 1);
     CHECK(orbit.events[0].t == Approx(reference.impact_times[0]).epsilon(1e-13));
-    // There and back again.
+    // Back to the original section.
     const auto back = moved.to_section(at.problem, *u);
     REQUIRE(back.has_value());
     CHECK((*back - at.u).lpNorm<Eigen::Infinity>() < 1e-13);
   }
 }
 
-TEST_CASE("the Jacobian of the orbit problem agrees with central differences, autonomous systems included") {
+TEST_CASE("the Jacobian of the orbit problem agrees with central differences for forced and autonomous systems") {
   const HybridSystem limit_cycle = van_der_pol_stop(), forced = two_mass_oscillator();
   const auto check = [](OrbitProblem problem, const Vector& u, const char* name) {
     const auto value = [&](const Vector& z) {
@@ -111,7 +111,7 @@ TEST_CASE("the Jacobian of the orbit problem agrees with central differences, au
   for (std::size_t parameter = 0; parameter < forced.parameters.size(); ++parameter) {
     const Vector p = parameters(forced, {{"xi", 2.0}, {"eta", 0.7}, {"k_r", 0.7}});
     OrbitProblem problem(forced, p, 1, 1, parameter, 1.0);
-    // Any state will do, as long as its period stays clear of grazing.
+    // Any state is suitable if its period is not close to grazing.
     const Vector u = problem.pack({Vector{{0.2, 1.0, 0.1, 0.3}}}, 0.0, p[static_cast<Eigen::Index>(parameter)]);
     check(std::move(problem), u, forced.parameters[parameter].name.c_str());
   }
@@ -124,8 +124,8 @@ TEST_CASE("the cyclic matrix is singular at each multiplier and nowhere else") {
       AtOrbit at = at_reference(reference, 3, nodes);
       REQUIRE(at.problem.evaluate(at.u, {.sensitivity = Sensitivity::state}));
       const auto smallest = [&](std::complex<double> sigma) {
-        return 1.0 /
-               at.problem.cyclic(at.u, sigma).inverse().norm();  // the smallest singular value, up to the square root of the size
+        // The smallest singular value, up to the square root of the size.
+        return 1.0 / at.problem.cyclic(at.u, sigma).inverse().norm();
       };
       INFO(name << ", " << nodes << " nodes");
       for (const auto& mu : reference.multipliers) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Folds (LP) against closed form: hard contacts with one impact in n periods, in the forcing amplitude xi (its square is a
-// parabola in the impact speed v), in the clearance r (an ellipse in (r, v): r = 0 and r < 0 lie on it) and in the frequency eta
-// (where the two orbits of given parameters merge, on closed branches too). Soft contacts against the multiplier of orbits found
-// on both sides, and against the hard limit.
+// Folds (LP) against closed forms: hard contacts with one impact in n periods. In the forcing amplitude xi, its square is a
+// parabola in the impact speed v. In the clearance r, the family is an ellipse in (r, v), including r = 0 and r < 0. In the
+// frequency eta, the two orbits of given parameters merge, also on closed branches. Soft contacts are compared with the
+// multipliers of orbits on both sides and with the hard limit.
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -21,19 +21,19 @@ using namespace graze::support;
 
 namespace {
 
-/// The library's orbit at a closed-form one.
+/// The computed orbit at a closed-form one.
 PeriodicOrbit orbit_at(const OneImpactOrbit& closed, int nodes = 0) {
   const Vector p = parameters_of(closed.parameters);
   return shoot(newton_oscillator(), p, closed.states().front(), closed.n, {.nodes = nodes});
 }
 
-/// Admissible by a margin, and clear of phase 0, where a start would lie beside the impact.
+/// Admissible with a margin, and with the impact away from phase 0, where a start would lie next to it.
 bool clear(const OneImpactOrbit& closed) {
   const double phase = closed.time / closed.parameters.period();
   return closed.admissible() && closed.highest < -1e-3 && phase > 0.03 && phase < 0.97;
 }
 
-/// Where the two one-impact orbits merge, between an eta with two and one with none.
+/// The fold of the two one-impact orbits, between an eta with two orbits and an eta with none.
 double fold_in_eta(OneImpactParameters q, int n, double with, double without) {
   for (int i = 0; i < 60; ++i) {
     q.eta = 0.5 * (with + without);
@@ -44,7 +44,7 @@ double fold_in_eta(OneImpactParameters q, int n, double with, double without) {
 
 }  // namespace
 
-TEST_CASE("folds in xi of orbits with one impact in n periods agree with the closed form, for every k_r, r and n") {
+TEST_CASE("folds in xi of orbits with one impact in n periods agree with the closed form for every k_r and r and n") {
   int traced = 0, negative = 0, restitutions = 0;
   for (const double k_r : {1.0, 0.9, 0.8, 0.6, 0.3}) {
     const int before = traced;
@@ -53,7 +53,7 @@ TEST_CASE("folds in xi of orbits with one impact in n periods agree with the clo
         for (int n = 1; n <= 4; ++n) {
           const OneImpactFamily family = one_impact_family({.b = 0.05, .eta = eta, .r = r, .k_r = k_r}, n);
           if (!(family.fold_speed() > 0.0)) continue;  // r = 0 has none: xi is proportional to v
-          // From twice the speed of the fold through it and beyond, all of it admissible.
+          // From twice the impact speed at the fold through the fold and beyond, all of it admissible.
           const auto orbit_of = [&](double v) {
             OneImpactParameters q{.b = 0.05, .xi = family.xi(v), .eta = eta, .r = r, .k_r = k_r};
             for (const OneImpactOrbit& orbit : one_impact_orbits(q, n))
@@ -69,7 +69,7 @@ TEST_CASE("folds in xi of orbits with one impact in n periods agree with the clo
                       << family.fold_speed());
           REQUIRE(orbit.converged());
           REQUIRE(orbit.impacts == 1);
-          // Ends after the fold, at 0.7 of its speed or where the orbit ceases to be.
+          // The run ends after the fold, at 0.7 of its speed or where the orbit ceases to exist.
           const double start = orbit.parameters[static_cast<Eigen::Index>(parameter_index(newton_oscillator().parameters, "xi"))];
           ContinuationOptions options;
           options.parameter = "xi";
@@ -134,9 +134,9 @@ TEST_CASE("the error bars of folds and period doublings cover the steps of the g
   }
 }
 
-TEST_CASE("folds in the clearance agree with the closed form, from r = 0 to either sign of r") {
-  // (r - alpha v)^2 + slope^2 v^2 = amplitude^2: an ellipse whose largest |r|, with the sign of alpha, is amplitude hypot(alpha,
-  // slope) / |slope|, at v = r alpha / (alpha^2 + slope^2).
+TEST_CASE("folds in the clearance agree with the closed form from r = 0 to either sign of r") {
+  // (r - alpha v)^2 + slope^2 v^2 = amplitude^2: an ellipse. Its largest |r|, with the sign of alpha, is amplitude
+  // hypot(alpha, slope) / |slope|, at v = r alpha / (alpha^2 + slope^2).
   int traced[2] = {0, 0};
   for (const double k_r : {0.9, 0.8, 0.6, 0.3}) {
     for (const double eta : {0.63, 1.31, 1.6, 2.2, 2.6, 3.1, 4.2, 5.2}) {
@@ -177,7 +177,7 @@ TEST_CASE("folds in the clearance agree with the closed form, from r = 0 to eith
   CHECK(traced[1] > 4);
 }
 
-TEST_CASE("closed branches in eta are followed round once, whatever the section") {
+TEST_CASE("closed branches in eta are followed exactly one turn for any section") {
   struct Closed {
     OneImpactParameters q;  ///< eta somewhere between the folds
     int n;
@@ -197,7 +197,7 @@ TEST_CASE("closed branches in eta are followed round once, whatever the section"
     const double high = fold_in_eta(isola.q, isola.n, isola.q.eta, isola.high);
     const auto orbits = one_impact_orbits(isola.q, isola.n);
     REQUIRE(orbits.size() == 2);
-    // Nodes at other phases: with several in a forcing period the impact passes one of them, and the section moves.
+    // Nodes at other phases: if a forcing period has several nodes, the impact passes one of them and the section moves.
     for (const int nodes : {isola.n, 2 * isola.n, 3 * isola.n, 4 * isola.n}) {
       for (const OneImpactOrbit& start : orbits) {
         INFO("r " << isola.q.r << " n " << isola.n << " nodes " << nodes << " speed " << start.speed);
@@ -224,7 +224,7 @@ TEST_CASE("closed branches in eta are followed round once, whatever the section"
   }
 }
 
-TEST_CASE("a user value beside a fold is met on both sides of it, in the order of the branch") {
+TEST_CASE("a user value near a fold is met on both sides of it in the order of the branch") {
   // Newton's law, k_r = 0.8, r = 0.3, eta = 1.31: fold at xi = 0.05; the values lie within one step of it.
   const OneImpactFamily family = one_impact_family({.b = 0.05, .eta = 1.31, .r = 0.3, .k_r = 0.8}, 1);
   OneImpactParameters q{.b = 0.05, .xi = family.xi(1.7 * family.fold_speed()), .eta = 1.31, .r = 0.3, .k_r = 0.8};
@@ -245,7 +245,7 @@ TEST_CASE("a user value beside a fold is met on both sides of it, in the order o
   CHECK(points[1].value == near);
   CHECK(points[2].value == near);
   CHECK(points[3].value == far);
-  // Each on its side: the speed of its impact is the closed form's.
+  // On each side the speed of the impact is that of the closed form.
   for (const std::size_t k : {0u, 1u, 2u, 3u}) {
     q.xi = points[k].value;
     const auto closed = one_impact_orbits(q, 1);

@@ -42,7 +42,7 @@ std::string text(const SpecialPoint& point, const char* name) { return std::get<
 /// eta at which the impactless amplitude equals r, for b = 0.05, r = 2, xi = 1 (DESIGN section 2).
 const double impactless_grazing = std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0);
 
-/// Labels z = p/n along a branch, each once.
+/// Labels z = p/n along a branch, without repetitions.
 std::vector<std::string> labels(const Branch& branch) {
   std::vector<std::string> list;
   for (const BranchPoint& point : branch.points) {
@@ -54,7 +54,7 @@ std::vector<std::string> labels(const Branch& branch) {
 
 }  // namespace
 
-TEST_CASE("the impactless orbit grazes where its amplitude equals the clearance, for every law") {
+TEST_CASE("the impactless orbit grazes where its amplitude equals the clearance for every law") {
   for (const char* law : {"hertz", "linear", "newton"}) {
     Case c = oscillator(law);
     c["eta"] = 0.70;
@@ -67,7 +67,7 @@ TEST_CASE("the impactless orbit grazes where its amplitude equals the clearance,
     const auto grazings = of_type(branches.front(), PointType::GR);
     INFO(law);
     REQUIRE(grazings.size() == 1);
-    // Closed form; the orbit's own rounding moves the point by a few 1e-15.
+    // Closed form; the rounding of the orbit moves the point by a few 1e-15.
     CHECK(std::abs(grazings[0]->value - impactless_grazing) < 1e-13);
     CHECK(grazings[0]->status == PointStatus::converged);
     CHECK(text(*grazings[0], "kind") == "gained");
@@ -85,7 +85,7 @@ TEST_CASE("the impactless orbit grazes where its amplitude equals the clearance,
   }
 }
 
-TEST_CASE("the error bar of a grazing covers the steps of the general integrator") {
+TEST_CASE("the error bar of a grazing covers the step errors of the general integrator") {
   Case c = oscillator("newton");
   c["eta"] = 0.70;
   for (const double tolerance : {1e-13, 1e-11, 1e-9, 1e-8}) {
@@ -123,7 +123,7 @@ TEST_CASE("the impactless orbit grazes also where its maximum lies next to phase
   CHECK(std::abs(grazings[0]->value - 0.4873521031679208) < 1e-12);  // ((1 - eta^2)^2 + 4 b^2 eta^2) r^2 = 1
 }
 
-TEST_CASE("a soft contact passes through grazing: labels change at GR points and the branch goes on") {
+TEST_CASE("a soft contact passes through grazing: labels change at GR points and the branch continues") {
   Case c = oscillator("hertz");
   c["b_H"] = 0.1;
   ContinuationOptions options;
@@ -135,7 +135,7 @@ TEST_CASE("a soft contact passes through grazing: labels change at GR points and
   for (const Branch& branch : branches) {
     CHECK(branch.stop == BranchStop::reached_bound);
     CHECK(check_branch(c.system, branch).empty());
-    // One grazing for each change of the label, all of them converged.
+    // One grazing for each change of the label, and all have converged.
     CHECK(of_type(branch, PointType::GR).size() + 1 == labels(branch).size());
     for (const SpecialPoint* point : of_type(branch, PointType::GR)) {
       CHECK(point->status == PointStatus::converged);
@@ -144,10 +144,10 @@ TEST_CASE("a soft contact passes through grazing: labels change at GR points and
     }
   }
   CHECK(of_type(branches[0], PointType::GR)[0]->value == Approx(impactless_grazing).epsilon(1e-14));
-  CHECK(of_type(branches[1], PointType::GR)[0]->value == Approx(0.910530).margin(2e-6));  // stated to six digits
+  CHECK(of_type(branches[1], PointType::GR)[0]->value == Approx(0.910530).margin(2e-6));  // known to six digits
 }
 
-TEST_CASE("a located grazing is a tangency of the free motion, and the general integrator finds it too") {
+TEST_CASE("a located grazing is a tangency of the free motion for the general integrator too") {
   Case c = oscillator("hertz");
   c["b_H"] = 0.1;
   c["eta"] = 0.912;
@@ -168,10 +168,10 @@ TEST_CASE("a located grazing is a tangency of the free motion, and the general i
     CHECK(std::abs(run.x[1]) < 1e-12);        // ... at zero speed
   }
   CHECK(std::abs(values[0] - values[1]) <
-        1e-11);  // the general integrator's accuracy over two periods, amplified by d(eta)/d(gap)
+        1e-11);  // the error of the general integrator over two periods, amplified by d(eta)/d(gap)
 }
 
-TEST_CASE("restitution 0.8 in xi: fold and grazing 3e-5 apart agree with the closed form, and the impactless orbit takes over") {
+TEST_CASE("restitution 0.8 in xi: fold and grazing 3e-5 apart agree with the closed form and the impactless orbit continues") {
   Case c = oscillator("newton");
   c["k_r"] = 0.8;
   c["r"] = 1.0;
@@ -195,7 +195,7 @@ TEST_CASE("restitution 0.8 in xi: fold and grazing 3e-5 apart agree with the clo
   CHECK(labels(branches[1]) == std::vector<std::string>{"0/1"});
   CHECK(branches[1].points.front().value < 0.1);
   for (const Branch& branch : branches) CHECK(check_branch(c.system, branch).empty());
-  // Along the branch xi is the closed form's function of the impact speed.
+  // Along the branch xi is the function of the impact speed in the closed form.
   for (const BranchPoint& point : branches[0].points) {
     c["xi"] = point.value;
     const Trajectory run = simulate(c.system, c.p, 0.0, point.state(), {.t_end = forcing_period(c.system, c.p)});
@@ -204,7 +204,7 @@ TEST_CASE("restitution 0.8 in xi: fold and grazing 3e-5 apart agree with the clo
   }
 }
 
-TEST_CASE("the scenario of a lost impact follows the sign of sin(w n T), both signs and several restitutions") {
+TEST_CASE("the scenario of a lost impact follows the sign of sin(w n T) for both signs and several restitutions") {
   int seen[2] = {0, 0};
   for (const double k_r : {0.3, 0.8, 1.0}) {
     for (const double eta : {0.71, 0.9, 1.15, 1.3}) {
@@ -214,7 +214,7 @@ TEST_CASE("the scenario of a lost impact follows the sign of sin(w n T), both si
         c["r"] = r;
         c["eta"] = eta;
         const support::OneImpactFamily exact = support::one_impact_family({.b = 0.05, .eta = eta, .r = r, .k_r = k_r}, 1);
-        // The impactless orbit from below its grazing amplitude: it gains an impact there.
+        // The impactless orbit starts below its grazing amplitude and gains an impact there.
         c["xi"] = 0.9 * exact.xi_grazing();
         const double detuning = 1.0 - eta * eta, drag = 2.0 * 0.05 * eta, D = detuning * detuning + drag * drag;
         const Vector forced = c["xi"] / D * Vector{{detuning, drag * eta}};
@@ -251,7 +251,7 @@ TEST_CASE("the Newton oscillator: the unstable doubled branch of the subcritical
   CHECK(text(*doublings[0], "criticality") == "subcritical");
   CHECK(branches[1].stop == BranchStop::grazing);
   CHECK_FALSE(branches[1].points.front().stable);
-  CHECK(branches[1].stop_value == Approx(0.98718).margin(1e-5));  // stated to five digits
+  CHECK(branches[1].stop_value == Approx(0.98718).margin(1e-5));  // known to five digits
   CHECK(labels(branches[2]) == std::vector<std::string>{"1/2"});
   CHECK(branches[2].stop == BranchStop::reached_bound);
   for (const Branch& branch : branches) CHECK(check_branch(c.system, branch).empty());

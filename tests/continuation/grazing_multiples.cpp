@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Families of several times the period that are born on a hard grazing: which of them, and on which side, against linear algebra;
-// where they lie, against the closed form of orbits with one impact.
+// Families of several times the period that are born on a hard grazing. Linear algebra predicts each family and its side. The
+// closed form of orbits with one impact gives their positions.
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
@@ -21,10 +21,10 @@ namespace {
 
 constexpr int longest = 16;
 
-/// Turns and turns with an impact.
+/// Number of turns, and number of turns with an impact.
 using Pattern = std::pair<int, int>;
 
-/// What begins on a grazing, partner included, with the side of it: 1 beyond. `turn`: deviations from touch to touch.
+/// The families that begin on a grazing, partner included, with their side: 1 beyond. `turn`: deviations from touch to touch.
 std::map<Pattern, int> expected_families(const Eigen::Matrix2d& turn, double k_r, int n) {
   std::map<Pattern, int> list;
   for (int m = 1; m * n <= longest; ++m)
@@ -33,7 +33,7 @@ std::map<Pattern, int> expected_families(const Eigen::Matrix2d& turn, double k_r
   return list;
 }
 
-/// What was followed from the grazing at the end of branches[0] (or ends there): {turns, weak impacts}, side.
+/// The families that were followed from the grazing at the end of branches[0] or end there: {turns, weak impacts}, side.
 std::map<Pattern, int> found_families(const std::vector<Branch>& branches) {
   const Branch& base = branches.front();
   const SpecialPoint& grazing = base.special_points.back();
@@ -72,10 +72,9 @@ double distance_to(const OneImpactOrbit& exact, const Vector& state) {
 
 }  // namespace
 
-TEST_CASE(
-    "at the grazing of the impactless orbit every 1/m family to m = 16 is born where, and on the side, the closed form says") {
-  // The published r and xi at the impactless grazing, and forcing ever faster against the free oscillation: more and more 1/m
-  // orbits, up to all sixteen. With r about 1 / eta^2 the acceleration at the barrier is of order one, as it is elsewhere.
+TEST_CASE("at the grazing of the impactless orbit every 1/m family to m = 16 is born on the side given by the closed form") {
+  // The published r and xi at the impactless grazing, with an increasing ratio of forcing to free oscillation: the number of
+  // 1/m orbits grows to all sixteen. With r about 1 / eta^2 the acceleration at the barrier stays of order one.
   const double published = std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0);
   struct Row {
     double eta, r, k_r;
@@ -105,7 +104,7 @@ TEST_CASE(
       INFO("branch " << branch.id << " period " << branch.period);
       CHECK(check_branch(newton_oscillator(), branch) == std::vector<std::string>{});
       if (branch.points.front().impacts != 1 || !branch.parent || branch.parent->branch != 1) continue;
-      // The side in closed form: the amplitude goes with r - alpha v.
+      // The side in closed form: the amplitude is proportional to r - alpha v.
       const OneImpactFamily family = one_impact_family(q, branch.period);
       ++sides[family.alpha < 0.0];
       CHECK((branch.points.front().value > grazing) == (family.alpha < 0.0));
@@ -123,10 +122,9 @@ TEST_CASE(
   CHECK(sides[1] > 10);
 }
 
-TEST_CASE(
-    "at grazings of orbits with an impact the families of several times their period agree with linear algebra, n = 1 to 4") {
-  // 1/n orbits whose free maximum touches the barrier, found by a scan of the closed form over random b, k_r, eta and n, xi = 1;
-  // rows with several families, and rows with none.
+TEST_CASE("at grazings of orbits with an impact the families of multiple periods agree with linear algebra for n = 1 to 4") {
+  // 1/n orbits whose free maximum touches the barrier, from a scan of the closed form over random b, k_r, eta and n with xi =
+  // 1. Some rows have several families, and some have none.
   struct Row {
     int n;
     double b, k_r, eta, speed;
@@ -147,7 +145,7 @@ TEST_CASE(
       at.r = family.alpha * v + std::sqrt((A - family.slope * v) * (A + family.slope * v));
       return one_impact_orbit(at, row.n, v);
     };
-    // The grazing by bisection in the speed.
+    // The grazing, by bisection in the speed.
     double shut = 0.98 * row.speed, open = 1.02 * row.speed;
     if (orbit_of(shut).highest < 0.0) std::swap(shut, open);
     const OneImpactOrbit start = orbit_of(open);
@@ -199,7 +197,7 @@ TEST_CASE(
   CHECK(sides[1] > 10);
 }
 
-TEST_CASE("multiples are followed only on request, and their limits are kept") {
+TEST_CASE("multiples are followed only on request and their limits are respected") {
   const Vector p = parameters(newton_oscillator(), {{"b", 0.05}, {"xi", 1.0}, {"eta", 10.0}, {"r", 1.0}, {"k_r", 0.8}});
   Vector start = p;
   const double grazing = one_impact_family({.b = 0.05, .xi = 1.0, .eta = 10.0, .r = 1.0, .k_r = 0.8}, 1).xi_grazing();
@@ -236,7 +234,7 @@ TEST_CASE("multiples are followed only on request, and their limits are kept") {
   CHECK_THROWS_WITH(follow_branches(newton_oscillator(), {{orbit, {1}}}, options), "max_multiple is 0; allowed is 1 and more");
 }
 
-TEST_CASE("a graph with multiples that was interrupted goes on from the branches it has, and comes to the same end") {
+TEST_CASE("an interrupted graph with multiples continues from its branches to the same end") {
   const double grazing = one_impact_family({.b = 0.05, .xi = 1.0, .eta = 10.0, .r = 1.0, .k_r = 0.8}, 1).xi_grazing();
   const Vector p =
       parameters(newton_oscillator(), {{"b", 0.05}, {"xi", 0.9995 * grazing}, {"eta", 10.0}, {"r", 1.0}, {"k_r", 0.8}});
@@ -247,7 +245,7 @@ TEST_CASE("a graph with multiples that was interrupted goes on from the branches
   for (const std::size_t kept : {std::size_t{1}, std::size_t{2}, std::size_t{9}}) {
     std::vector<Branch> first(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(kept));
     for (Branch& branch : first)
-      for (SpecialPoint& point : branch.special_points) point.orbit.events.clear();  // as a result file holds them
+      for (SpecialPoint& point : branch.special_points) point.orbit.events.clear();  // as in a result file
     const BranchGraph resumed = follow_branches(newton_oscillator(), {{orbit, {1}}}, options, first);
     CHECK(found_families(resumed.branches) == found_families(whole));
     CHECK(resumed.branches.size() == whole.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Grazings of contacts that lead through other modes: where a mass that is pressed against a stop lifts off, at a spring with a
-// damper, and at a rigid stop where friction holds the mass. Closed forms, and values from scipy's DOP853 with the equations
-// written again.
+// Grazings of contacts that pass through other modes. A mass that is pressed against a stop lifts off: a spring with a damper,
+// and a rigid stop on which friction holds the mass. The references are closed forms, and values from scipy's DOP853 with
+// separately written equations.
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 
@@ -24,7 +24,7 @@ using Impacts = std::vector<double>;
 
 Impacts impacts_at(const SpecialPoint& grazing) { return std::get<Impacts>(grazing.details.at("impacts")); }
 
-/// x'' + 2 b x' + x = A cos(eta t) + P - (k x + c x') where that presses and x > 0.
+/// x'' + 2 b x' + x = A cos(eta t) + P - (k x + c x') while the pad presses and x > 0.
 struct Pad {
   double b = 0.1, P = 1.2, k = 2.0, c = 0.0, eta = 0.8;
 
@@ -38,16 +38,16 @@ struct Pad {
     return equations::make_system(writer.system).system;
   }
 
-  /// Pressed all along, x = P/(1 + k) + Re(X e^(i eta t)) with X in proportion to A.
+  /// Always pressed, x = P/(1 + k) + Re(X e^(i eta t)) with X proportional to A.
   std::complex<double> response() const { return 1.0 / std::complex<double>(1.0 + k - eta * eta, eta * (2.0 * b + c)); }
   PeriodicOrbit pressed(const HybridSystem& system, double A) const {
     const std::complex<double> X = A * response();
     return shoot(system, parameters(system, {{"A", A}}), vector({P / (1.0 + k) + X.real(), -eta * X.imag()}), 1);
   }
-  /// The contact's force k x + c x' first vanishes where its amplitude is that of its mean.
+  /// The contact force k x + c x' first vanishes where its amplitude equals its mean.
   double lift_off() const { return k * P / (1.0 + k) / std::abs(response() * std::complex<double>(k, c * eta)); }
 
-  /// The motion from x over a forcing period, by Runge and Kutta's method without events.
+  /// The motion from x over a forcing period, by a Runge-Kutta method without events.
   Vector period_of(const Vector& x, double A) const {
     constexpr int steps = 200000;
     const auto f = [&](double t, const Vector& y) {
@@ -74,7 +74,7 @@ ContinuationOptions options_in(const std::string& parameter, double to) {
   return options;
 }
 
-/// The orbit that the motion from x settles on.
+/// The orbit on which the motion from x settles.
 PeriodicOrbit settled(const HybridSystem& system, const Vector& p, const Vector& x) {
   const double T = forcing_period(system, p);
   const Trajectory motion = simulate(system, p, 0.0, x, {.t_end = 200.0 * T});
@@ -122,7 +122,7 @@ TEST_CASE("a mass pressed against a spring with a damper lifts off where its for
   CHECK(up[1].stop == BranchStop::reached_bound);
   CHECK(up[1].points.front().impacts == 1);
   CHECK(std::abs(up[1].points.front().value - exact) < 1e-5);
-  // The branch goes on where the gap opens, too: from there on the contact begins with a jump of the force.
+  // The branch also continues beyond the opening of the gap: from there the contact begins with a jump of the force.
   const BranchPoint& end = up[1].points.back();
   CHECK((pad.period_of(end.state(), end.value) - end.state()).lpNorm<Eigen::Infinity>() < 1e-5);
   const Vector p = parameters(system, {{"A", end.value}});
@@ -134,7 +134,7 @@ TEST_CASE("a mass pressed against a spring with a damper lifts off where its for
   CHECK(down[1].points.back().state().isApprox(pad.pressed(system, 0.5).state, 1e-9));
 }
 
-TEST_CASE("a rotor that rubs along its ring lifts off it") {
+TEST_CASE("a rotor in rubbing contact with a ring lifts off") {
   SystemWriter writer;
   writer.states({"x", "y", "vx", "vy"}).forcing("eta");
   writer.parameter("b", "0.05").parameter("eps", "0.6").parameter("eta", "1").parameter("k", "30").parameter("s", "0.1");
@@ -158,7 +158,7 @@ TEST_CASE("a rotor that rubs along its ring lifts off it") {
   CHECK(impacts_at(grazings[0]) == Impacts{0.0, 1.0});
 }
 
-TEST_CASE("a weak contact with a spring and a damper is lost, and the branch goes on without it") {
+TEST_CASE("a weak contact with a spring and a damper is lost and the branch continues without it") {
   SystemWriter writer;
   writer.forcing("w").parameter("w", "0.9").parameter("A", "0.9").parameter("k", "25").parameter("c", "3");
   writer.parameter("kH", "40").parameter("bH", "0.15");
@@ -188,7 +188,7 @@ TEST_CASE("a weak contact with a spring and a damper is lost, and the branch goe
   CHECK(down[1].points.front().impacts == 3);
   CHECK(down[1].stop == BranchStop::reached_bound);
   CHECK(down[1].points.back().state().isApprox(with_contact.state, 1e-8));
-  // The other way one impact is lost and another one gained.
+  // In the other direction one impact is lost and another one gained.
   const std::vector<Branch> on = continue_orbit(system, with_contact, options_in("w", 0.5));
   REQUIRE(on.size() == 3);
   CHECK(impacts_at(on[0].special_points.back()) == Impacts{3.0, 2.0});
@@ -196,7 +196,7 @@ TEST_CASE("a weak contact with a spring and a damper is lost, and the branch goe
   CHECK(on[2].stop == BranchStop::reached_bound);
 }
 
-TEST_CASE("a mass that friction holds as it touches a rigid stop gains an impact there") {
+TEST_CASE("a mass held by friction as it touches a rigid stop gains an impact there") {
   SystemWriter writer;
   writer.forcing("om").parameter("om", "0.5").parameter("F", "1.3").parameter("mu", "0.3").parameter("ms", "0.4");
   writer.parameter("vs", "0.5").parameter("N", "1.1").parameter("r", "1").parameter("e", "0.7");
@@ -242,7 +242,7 @@ TEST_CASE("an impact begins at its grazing where drag changes its sign at the to
   CHECK(branches[1].stop == BranchStop::reached_bound);
 }
 
-TEST_CASE("a branch of orbits held by friction ends where it first lets go, and does not jump to those that slide") {
+TEST_CASE("a branch of orbits held by friction ends where the mass first slides and does not jump to sliding orbits") {
   SystemWriter writer;
   writer.forcing("om")
       .parameter("om", "0.5")
@@ -262,7 +262,7 @@ TEST_CASE("a branch of orbits held by friction ends where it first lets go, and 
   for (const BranchPoint& point : branches[0].points) CHECK(point.state().norm() < 1e-6);
 }
 
-TEST_CASE("an impact that sets a mass sliding begins at its grazing, COCO's stick-slip") {
+TEST_CASE("an impact that starts a slip begins at its grazing in COCO's stick-slip example") {
   SystemWriter writer;
   writer.states({"q", "v", "u"});
   writer.system.period = writer.write("pi/w");
@@ -273,7 +273,7 @@ TEST_CASE("an impact that sets a mass sliding begins at its grazing, COCO's stic
   writer.event({"rest", "stick", "-u", "u = 0", "slip", "stick"});
   const HybridSystem system = equations::make_system(writer.system).system;
   constexpr double exact = 0.587516250415465;
-  // The orbit without collisions passes a fold on its way to the grazing, so that it is met from the other side.
+  // The orbit without collisions passes a fold on its way to the grazing and therefore meets it from the other side.
   const PeriodicOrbit struck = shoot(system, parameters(system, {{"V", 0.65}}), vector({0.49339, -0.10227, 0.0}), 1);
   REQUIRE(struck.converged());
   REQUIRE(struck.impacts == 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which families of several turns begin on a hard grazing, to first order in the speeds; and that one of them always does.
+// The families of several turns that begin on a hard grazing, to first order in the speeds. One of them always does.
 #include <graze/continuation/conditions/grazing_turns.hpp>
 
 #include "support/grazing_families.hpp"
@@ -31,8 +31,8 @@ Oscillator random_oscillator(std::mt19937& random) {
 
 }  // namespace
 
-TEST_CASE("beyond a grazing with one touch there is exactly one orbit of the same period, and it is always there") {
-  // h_top = -R_1 v: whichever sign R_1 has, one side has v > 0. The linear oscillator: R_1 has that of -sin(w T).
+TEST_CASE("beyond a grazing with one touch there is exactly one orbit of the same period") {
+  // h_top = -R_1 v: for either sign of R_1 one side has v > 0. For the linear oscillator it is the sign of -sin(w T).
   std::mt19937 random(1);
   for (int i = 0; i < 2000; ++i) {
     const Oscillator oscillator = random_oscillator(random);
@@ -50,13 +50,14 @@ TEST_CASE("beyond a grazing with one touch there is exactly one orbit of the sam
   }
 }
 
-TEST_CASE("the families with the weak impact in some of the turns are counted, each once") {
+TEST_CASE("each family with the weak impact in some of the turns is counted once") {
   std::mt19937 random(2);
   int met = 0;
   for (int i = 0; i < 60; ++i) {
     const Oscillator oscillator = random_oscillator(random);
     for (int turns = 4; turns <= 7; ++turns) {
-      // All choices of turns, whole orbits of them under rotation counted once, by another way than the least rotation.
+      // All choices of turns, up to rotation. The count here marks all rotations of a choice and does not use the least
+      // rotation.
       int expected = 0;
       std::vector<bool> seen(std::size_t{1} << turns);
       for (unsigned set = 1; set < (1u << turns); ++set) {

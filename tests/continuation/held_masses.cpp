@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Branches of orbits on which friction holds a mass all along. It may be held anywhere in a band: the branch keeps the place that
-// it has at the start, and is then that of the other mass alone, with the place as a parameter.
+// Branches of orbits on which friction holds a mass all the time. It may be held anywhere in a band. The branch keeps the
+// position at the start, and is then that of the other mass alone, with this position as a parameter.
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 
@@ -65,12 +65,12 @@ Branch followed(const HybridSystem& system, const PeriodicOrbit& orbit, const Ca
   return graph.branches.front();
 }
 
-/// The multipliers are those of the other mass, 0 of the held speed, and 1 of the held place.
+/// The multipliers are those of the other mass, 0 for the held speed, and 1 for the held position.
 void check_multipliers(const FloquetMultipliers& both, const FloquetMultipliers& alone) {
   REQUIRE(both.values.size() == 4);
   REQUIRE(alone.values.size() == 2);
   CHECK(both.trivial == 1);
-  // A weak impact of speed s makes a multiplier in proportion to 1 / s: the rounding of s grows with its square.
+  // A weak impact of speed s has a multiplier proportional to 1 / s: the error from rounding s is proportional to 1 / s^2.
   for (std::size_t i = 0; i < 2; ++i)
     CHECK(std::abs(both.values[i] - alone.values[i]) < std::max(1e-10, 1e-14 * std::norm(alone.values[i])));
   CHECK(both.values[2] == 0.0);
@@ -79,9 +79,9 @@ void check_multipliers(const FloquetMultipliers& both, const FloquetMultipliers&
 
 }  // namespace
 
-TEST_CASE("a branch on which friction holds one mass all along is that of the other mass (fixed)") {
+TEST_CASE("a branch on which friction holds one mass all the time is that of the other mass (fixed)") {
   const HybridSystem two = two_masses(), one = one_mass();
-  // With impacts, in the coordinates of the events, and without, in states at fixed phases.
+  // With impacts, in the coordinates of the events; and without, in states at fixed phases.
   for (const Case& row : std::vector<Case>{{"w", 0.9, 1.1, 0.4, 1},
                                            {"w", 0.6, 0.9, 0.4, -1},
                                            {"F", 1.0, 1.5, 0.4, 1},
@@ -121,7 +121,7 @@ TEST_CASE("a branch on which friction holds one mass all along is that of the ot
   }
 }
 
-TEST_CASE("a branch on which friction holds one mass ends where that is released") {
+TEST_CASE("a branch on which friction holds one mass ends where the mass is released") {
   const HybridSystem two = two_masses();
   for (const double gap : {0.4, 50.0}) {
     INFO("gap " << gap);
@@ -146,7 +146,7 @@ TEST_CASE("a branch on which friction holds one mass ends where that is released
   }
 }
 
-TEST_CASE("a capsule held all along has a multiplier that is exactly zero at each point of its branch (fixed)") {
+TEST_CASE("a capsule held all the time has a multiplier that is exactly zero at each point of its branch (fixed)") {
   // An inner mass at q in the capsule moves with speed y and drives it; friction of size 1 holds the capsule, u = 0.
   SystemWriter writer;
   writer.system.name = "capsule";

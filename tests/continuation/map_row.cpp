@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rows of a map on their way: where points begin, which are taken back, and what is sure.
+// Speculative rows of a map: the start of each point, cancelled points, and committed points.
 #include <graze/floquet/follow/map_row.hpp>
 
 #include <catch2/catch.hpp>
@@ -21,14 +21,14 @@ MapPoint found(MapType type, double x = 0.0) {
   return point;
 }
 
-/// The next point, and that behind it may begin there.
+/// Publishes the state of the next point, so that the point after it may begin.
 std::shared_ptr<MapRow::Point> published(MapRow& row, double x) {
   auto point = row.begin_next();
   row.publish(*point, at(x));
   return point;
 }
 
-/// A row of four points: two handed on, the third begun.
+/// A row of four points: two published, the third begun.
 struct ThreeBegun {
   std::vector<MapPoint> out = std::vector<MapPoint>(4);
   MapRow row{out};
@@ -39,7 +39,7 @@ using Next = MapRow::Next;
 
 }  // namespace
 
-TEST_CASE("map row: points begin one behind the other, from the orbit of the one before") {
+TEST_CASE("map row: each point begins from the orbit of the one before") {
   std::vector<MapPoint> out(3);
   const bool backwards = GENERATE(false, true);
   MapRow row(out, backwards);
@@ -58,14 +58,14 @@ TEST_CASE("map row: points begin one behind the other, from the orbit of the one
   CHECK(out.front().state[0] == (backwards ? 2.0 : 0.0));
 }
 
-TEST_CASE("map row: behind what is handed on the next begins at once, and stays if that is chaos") {
+TEST_CASE("map row: after a published point the next begins at once and stays if the point is chaotic") {
   std::vector<MapPoint> out(3);
   MapRow row(out);
   const auto first = published(row, 0.5);
   REQUIRE(row.next() == Next::likely);
   const auto second = row.begin_next();
   CHECK((*second->from)[0] == 0.5);
-  CHECK(row.finish(*second, found(MapType::periodic, 2.0)) == 0);  // the first might take it back
+  CHECK(row.finish(*second, found(MapType::periodic, 2.0)) == 0);  // the first might cancel it
   const auto third = row.begin_next();
   CHECK((*third->from)[0] == 2.0);
   const MapType type = GENERATE(MapType::chaotic, MapType::undecided);
@@ -77,7 +77,7 @@ TEST_CASE("map row: behind what is handed on the next begins at once, and stays 
   CHECK(out[1].state[0] == 2.0);
 }
 
-TEST_CASE_METHOD(ThreeBegun, "map row: what was handed on is taken back by an orbit, and by a motion that was lost") {
+TEST_CASE_METHOD(ThreeBegun, "map row: an orbit or a lost motion cancels the points begun from the published state") {
   CHECK(row.finish(*third, found(MapType::chaotic)) == 0);
   const MapType type = GENERATE(MapType::periodic, MapType::lost);
   CHECK(row.finish(*first, found(type, 7.0)) == 1);
@@ -93,7 +93,7 @@ TEST_CASE_METHOD(ThreeBegun, "map row: what was handed on is taken back by an or
   if (anew->from) CHECK((*anew->from)[0] == 7.0);
 }
 
-TEST_CASE("map row: the more points are not sure, the less likely is the next to stand") {
+TEST_CASE("map row: the more points are uncommitted the less likely is the next to be kept") {
   std::vector<MapPoint> out(20);
   MapRow row(out);
   std::vector<std::shared_ptr<MapRow::Point>> points;
@@ -105,7 +105,7 @@ TEST_CASE("map row: the more points are not sure, the less likely is the next to
   CHECK(row.next() == Next::likely);
 }
 
-TEST_CASE_METHOD(ThreeBegun, "map row: a point that could not be found ends it") {
+TEST_CASE_METHOD(ThreeBegun, "map row: a failed point ends the row") {
   row.finish(*third, found(MapType::periodic));
   CHECK(row.finish(*second, found(MapType::not_run)) == 0);
   CHECK(third->dropped);

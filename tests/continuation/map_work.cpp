@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Maps that are given piece by piece: their points against those of whole maps, what is begun and what is waited for.
+// Maps that are computed in pieces: their points against those of whole maps, and the order in which points begin and wait.
 #include <graze/floquet/follow/map_work.hpp>
 
 #include "support/checks.hpp"
@@ -29,7 +29,7 @@ double clearance(const Vector& p) { return p[static_cast<Eigen::Index>(parameter
 
 Vector elastic() { return parameters(newton_oscillator(), {{"b", 0.05}, {"k_r", 1.0}}); }
 
-/// What came of pieces, by their first rows.
+/// Finished pieces, by their first rows.
 struct Finished {
   std::mutex mutex;
   std::map<int, std::vector<MapPoint>> pieces;
@@ -43,7 +43,7 @@ struct Finished {
 
 }  // namespace
 
-TEST_CASE("map work: pieces come to what the whole map comes to, on any number of threads") {
+TEST_CASE("map work: pieces give the points of the whole map on any number of threads") {
   const MapDirection follow = GENERATE(MapDirection::none, MapDirection::down);
   const int threads = GENERATE(1, 3);
   const std::vector<MapLayer> layers = {from_rest(follow), from_rest(MapDirection::up)};
@@ -65,23 +65,23 @@ TEST_CASE("map work: pieces come to what the whole map comes to, on any number o
   CHECK(std::equal(whole.begin(), whole.end(), together.begin(), [](const auto& a, const auto& b) { return same(a, b); }));
 }
 
-TEST_CASE("map work: points behind one that seemed chaotic and was not are found anew, and progress counts each once") {
-  // At r = 2 chaos from grazing on, with windows of orbits in it that the motion takes long to come to.
+TEST_CASE("map work: points after a wrong guess of chaos are recomputed and progress counts each point once") {
+  // At r = 2 there is chaos beyond the grazing, with periodic windows in which transients are long.
   const ParameterGrid row{{"eta", 0.70, 0.74, 60}, {"r", 2.0, 2.0, 1}};
-  std::atomic<int> told{0};
+  std::atomic<int> reported{0};
   const MapLayer layer{[](const Vector&) { return Vector{{0.0, 0.0}}; }, MapDirection::up};
   MapOptions options;
   options.transient = 1;  // so short that an average finds the orbit
-  options.progress = [&told] { ++told; };
+  options.progress = [&reported] { ++reported; };
   const std::vector<MapPoint> points = map_rows(newton_oscillator(), elastic(), row, {layer}, 0, 1, options);
-  CHECK(told == 60);
+  CHECK(reported == 60);
   const auto of_type = [&](MapType type) {
     return std::count_if(points.begin(), points.end(), [type](const MapPoint& point) { return point.type == type; });
   };
   CHECK(of_type(MapType::chaotic) > 10);
   CHECK(of_type(MapType::periodic) > 10);
   CHECK(of_type(MapType::not_run) == 0);
-  // What a point behind an orbit comes to is what it comes to from there.
+  // A point after an orbit agrees with the result from that orbit's state.
   int checked = 0;
   for (std::size_t k = 1; k < points.size(); ++k) {
     if (points[k - 1].type != MapType::periodic) continue;
@@ -98,7 +98,7 @@ TEST_CASE("map work: points behind one that seemed chaotic and was not are found
   CHECK(checked > 10);
 }
 
-TEST_CASE("map work: the next piece is begun while the last of the one before take their time") {
+TEST_CASE("map work: the next piece begins while the last points of the one before are still running") {
   std::vector<int> rows;  // in which points were begun
   const MapLayer layer{[&rows](const Vector& p) {
                          rows.push_back(static_cast<int>(std::lround((clearance(p) - 1.8) / 0.06)));
@@ -111,7 +111,7 @@ TEST_CASE("map work: the next piece is begun while the last of the one before ta
               [&](int, const std::vector<MapPoint>&) { begun_at_end.push_back(rows.size()); });
   CHECK(map.wants_more());
   map.give(0, 1);
-  CHECK(map.wants_more());  // few points: it will soon be through with them
+  CHECK(map.wants_more());  // few points: it will soon finish them
   map.give(1, 5);
   CHECK_FALSE(map.wants_more());
   map.close();
@@ -122,7 +122,7 @@ TEST_CASE("map work: the next piece is begun while the last of the one before ta
   CHECK(rows.size() == 72);
 }
 
-TEST_CASE("map work: what a computation throws ends the others, and those that wait") {
+TEST_CASE("map work: an exception in one computation ends the others and those that wait") {
   const MapLayer thrower{[](const Vector& p) -> Vector {
                            if (clearance(p) > 1.9) throw std::runtime_error("no start");
                            return Vector{{0.0, 0.0}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Neimark-Sacker and branch points: they need four states, or a symmetry.
+// Neimark-Sacker points, which need four states, and branch points, which need a symmetry.
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 
@@ -28,7 +28,7 @@ Eigen::Index index(const HybridSystem& system, const char* name) {
 
 }  // namespace
 
-TEST_CASE("a Neimark-Sacker point of an impacting system with four states lies where its closed form says") {
+TEST_CASE("a Neimark-Sacker point of an impacting system with four states agrees with its closed form") {
   const HybridSystem system = support::driven_self_excited();
   Vector p = default_parameters(system.parameters);
   p[index(system, "epsilon")] = 0.0;
@@ -46,7 +46,7 @@ TEST_CASE("a Neimark-Sacker point of an impacting system with four states lies w
   REQUIRE(points.size() == 1);
   CHECK(points[0]->status == PointStatus::converged);
   CHECK(std::abs(points[0]->value) < 1e-12);  // |multiplier| = exp(mu T/2)
-  // Its angle is omega T, taken into [0, pi].
+  // Its angle is omega T, reduced to [0, pi].
   const double turn = p[index(system, "omega")] * forcing_period(system, p);
   CHECK(std::cos(std::get<double>(points[0]->details.at("angle"))) == Approx(std::cos(turn)).margin(1e-10));
   for (const PointType type : {PointType::LP, PointType::PD, PointType::BP}) CHECK(of_type(branches[0], type).empty());
@@ -69,11 +69,11 @@ TEST_CASE("a symmetric orbit between two elastic stops loses its symmetry in a b
   CHECK(std::abs(points[0]->orbit.multipliers.values[0] - 1.0) < 1e-9);
   CHECK(of_type(branches[0], PointType::LP).empty());
   CHECK(check_branch(system, branches[0]).empty());
-  // Symmetric: half a period later the state is its own negative.
+  // Symmetric: half a period later the state has the opposite sign.
   p = points[0]->orbit.parameters;
   const Trajectory half = simulate(system, p, 0.0, points[0]->orbit.state, {.t_end = forcing_period(system, p) / 2.0});
   CHECK((half.x + points[0]->orbit.state).norm() < 1e-9);
-  // Independently: the multiplier of orbits found by shooting on both sides, interpolated to +1.
+  // Independent check: the multiplier of orbits found by shooting on both sides, interpolated to +1.
   double excess[2];
   const double distance = 1e-4;
   for (const int side : {0, 1}) {
@@ -83,6 +83,6 @@ TEST_CASE("a symmetric orbit between two elastic stops loses its symmetry in a b
     excess[side] = beside.multipliers.values[0].real() - 1.0;
   }
   REQUIRE(excess[0] * excess[1] < 0.0);
-  // The error of linear interpolation over 2e-4 is second order in it.
+  // The error of linear interpolation over 2e-4 is of second order.
   CHECK(std::abs(distance * (excess[0] + excess[1]) / (excess[0] - excess[1])) < 1e-6);
 }

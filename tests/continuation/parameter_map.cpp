@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parameter maps: points against attractors found one by one and against closed forms, parts against the whole, hysteresis of
-// followed rows, points next to bifurcations, misuse.
+// Parameter maps: points against attractors found one by one and against closed forms, parts against the whole map. Also
+// tested: hysteresis of followed rows, points near bifurcations, misuse.
 #include <graze/floquet/follow/parameter_map.hpp>
 #include <graze/floquet/follow/sweep.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
@@ -33,7 +33,7 @@ std::vector<MapPoint> in_arena(int threads, const ParameterGrid& grid, const std
 
 }  // namespace
 
-TEST_CASE("map: any part, on any number of threads, is the same to the last bit") {
+TEST_CASE("map: any part has identical bits on any number of threads") {
   const ParameterGrid grid{{"eta", 0.70, 0.75, 7}, {"r", 1.9, 2.1, 4}};
   const std::vector<MapLayer> layers = {from_rest(), from_rest(MapDirection::up), from_rest(MapDirection::down)};
   const std::vector<MapPoint> whole = in_arena(2, grid, layers, 0, 4);
@@ -49,12 +49,12 @@ TEST_CASE("map: any part, on any number of threads, is the same to the last bit"
     chaotic += whole[i].type == MapType::chaotic;
     periodic += whole[i].type == MapType::periodic;
   }
-  CHECK(chaotic > 5);  // both kinds took part
+  CHECK(chaotic > 5);  // both kinds occurred
   CHECK(periodic > 5);
 }
 
-TEST_CASE("map: its points are the attractors that are found one by one") {
-  // The long way: the whole transient, all returns tried, long averages. Points of the grid lie away from bifurcations.
+TEST_CASE("map: its points agree with attractors found one by one") {
+  // The slow way: the complete transient, all returns tried, long averages. The points of the grid lie away from bifurcations.
   const ParameterGrid grid{{"eta", 0.66, 0.94, 5}, {"r", 1.2, 2.9, 4}};
   const std::vector<MapPoint> points = map_rows(damped_hertz(), hertz_parameters(), grid, {from_rest()}, 0, 4);
   for (int row = 0; row < 4; ++row)
@@ -70,7 +70,8 @@ TEST_CASE("map: its points are the attractors that are found one by one") {
       CHECK(point.period == attractor.period);
       CHECK(point.impacts == attractor.impacts);
       if (attractor.type == AttractorType::periodic) {
-        // One orbit, reached from two sides of Newton's method: equal to its acceptance, 1e-12, times the condition of the orbit.
+        // One orbit, reached in two ways by Newton's method: equal up to its tolerance, 1e-12, times the condition of the
+        // orbit.
         CHECK(point.lambda_1 == Approx(attractor.exponents[0]).margin(1e-9));
         CHECK(point.standard_error == 0.0);
       } else {
@@ -80,8 +81,8 @@ TEST_CASE("map: its points are the attractors that are found one by one") {
     }
 }
 
-TEST_CASE("map: the impactless orbit is there just where its amplitude is below the clearance") {
-  // A(eta) = xi / sqrt((1 - eta^2)^2 + (2 b eta)^2) < r; its exponents are -b both.
+TEST_CASE("map: the impactless orbit exists exactly where its amplitude is below the clearance") {
+  // A(eta) = xi / sqrt((1 - eta^2)^2 + (2 b eta)^2) < r; both exponents are -b.
   const HybridSystem& system = newton_oscillator();
   const Vector p = parameters(system, {{"b", 0.05}, {"k_r", 0.7}});
   const ParameterGrid grid{{"eta", 0.6, 1.5, 12}, {"r", 0.5, 4.0, 8}};
@@ -103,7 +104,7 @@ TEST_CASE("map: the impactless orbit is there just where its amplitude is below 
   CHECK(impactless > 20);
 }
 
-TEST_CASE("map: a followed row is the sweep, with its hysteresis") {
+TEST_CASE("map: a followed row agrees with the sweep and has its hysteresis") {
   // Upwards the impactless orbit lasts to its grazing at 0.710687; downwards chaos lasts to about 0.6975.
   const ParameterGrid grid{{"eta", 0.69, 0.715, 26}, {"r", 2.0, 2.0, 1}};
   const std::vector<MapPoint> points =
@@ -126,15 +127,15 @@ TEST_CASE("map: a followed row is the sweep, with its hysteresis") {
     CHECK(map_type_name(up.type) == attractor_type_name(rows[static_cast<std::size_t>(k)].attractor.type));
     up_and_down_differ += up.type != down.type;
     if (k <= 20) CHECK(up.impacts == 0);
-    // Inside the chaotic interval both ways agree that it is chaos; its ends depend on where the motion happened to be.
+    // Both directions agree on chaos inside the chaotic interval; its ends depend on the state of the motion.
     if (k >= 9 && k <= 24) CHECK(down.type == MapType::chaotic);
   }
   CHECK(up_and_down_differ >= 10);
 }
 
 TEST_CASE("map: leaving a weakly unstable orbit is not taken for chaos") {
-  // Just below the period doubling at eta = 0.919542643: the 1/1 orbit repels by a per mille a period, and the growth along the
-  // motion that leaves it is steady: positive by many standard errors, while the attractor is the 2/2 orbit.
+  // Just below the period doubling at eta = 0.919542643 the 1/1 orbit repels by 0.1 per cent a period. The motion that leaves
+  // it grows steadily: its exponent is positive by many standard errors, although the attractor is the 2/2 orbit.
   const Vector p = hertz_parameters(0.9190);
   const PeriodicOrbit orbit = shoot(damped_hertz(), p, Vector{{2.05, 1.4}}, 1);
   REQUIRE(orbit.converged());
@@ -154,9 +155,9 @@ TEST_CASE("map: leaving a weakly unstable orbit is not taken for chaos") {
 }
 
 TEST_CASE("map: a transient that grows for a while is not taken for chaos") {
-  // Followed upwards the impactless orbit is left at its grazing for a transient that lasts some thousand forcing periods and
-  // whose exponent, as soon as five standard errors would do, is positive by five; what attracts is the 1/2 orbit, by e^-0.05 in
-  // a unit of time.
+  // In a row followed upwards the motion leaves the impactless orbit at its grazing. The transient lasts some thousand forcing
+  // periods, and its exponent is positive by five standard errors as soon as five would suffice. The attractor is the 1/2
+  // orbit, with a decay of e^-0.05 per unit of time.
   const HybridSystem& system = newton_oscillator();
   const Vector p = parameters(system, {{"b", 0.05}, {"k_r", 1.0}});
   const ParameterGrid grid{{"eta", 0.65, 0.95, 90}, {"r", 1.0 + 15 * (2.0 / 59.0), 1.0 + 15 * (2.0 / 59.0), 1}};
@@ -167,7 +168,7 @@ TEST_CASE("map: a transient that grows for a while is not taken for chaos") {
   CHECK(point.lambda_1 == Approx(-0.05));
 }
 
-TEST_CASE("map: starts inside a barrier, and points that were not reached, say so") {
+TEST_CASE("map: starts inside a barrier and points that were not reached are reported") {
   const HybridSystem& system = newton_oscillator();
   const Vector p = parameters(system, {{"b", 0.05}, {"k_r", 0.7}});
   const ParameterGrid grid{{"eta", 0.7, 0.8, 2}, {"r", 1.0, 3.0, 3}};
@@ -177,9 +178,9 @@ TEST_CASE("map: starts inside a barrier, and points that were not reached, say s
   CHECK(points[4].type == MapType::periodic);
   CHECK(std::isnan(points[0].lambda_1));
   CHECK(std::isnan(points[0].state[0]));
-  std::atomic<int> asked{0};
+  std::atomic<int> cancel_checks{0};
   MapOptions options;
-  options.cancelled = [&asked] { return ++asked > 2; };
+  options.cancelled = [&cancel_checks] { return ++cancel_checks > 2; };
   const std::vector<MapPoint> part = map_rows(system, p, grid, {from_rest(MapDirection::up)}, 0, 3, options);
   CHECK(part.back().type == MapType::not_run);
 }

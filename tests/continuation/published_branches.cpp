@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Branches of the six published systems, and their points against data/reference.toml and the issue's figures.
+// Branches of the six published systems, and their points against data/reference.toml and the figures in the issue.
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -57,7 +57,7 @@ TEST_CASE("damped Hertz: the 1/1 branch from 0.95 to 0.70, its period doubling a
   const Run r = run("linear", "hertz", {{"b_H", 0.1}, {"eta", 0.95}}, 1, options);
   const SpecialPoint& first = r.branches[0].special_points[1];
   REQUIRE(first.type == PointType::PD);
-  // data/reference.toml, quad precision.
+  // data/reference.toml, quadruple precision.
   CHECK(std::abs(first.value - 0.919542643087348) < 1e-12);
   CHECK(first.status == PointStatus::converged);
   CHECK(first.interval[0] <= first.value);
@@ -65,7 +65,7 @@ TEST_CASE("damped Hertz: the 1/1 branch from 0.95 to 0.70, its period doubling a
   CHECK(std::abs(first.orbit.multipliers.values[0] + 1.0) < 1e-10);
   CHECK(std::abs(first.orbit.multipliers.values[1] + 0.40214437228) < 1e-10);
   CHECK(std::abs(first.orbit.state[0] - 2.0518811079659517) < 1e-12);
-  CHECK(std::abs(first.orbit.state[1] - 1.3954715728845985) < 1e-11);  // x' moves 12 times faster with eta than x
+  CHECK(std::abs(first.orbit.state[1] - 1.3954715728845985) < 1e-11);  // x' changes 12 times faster with eta than x
   CHECK(std::get<std::string>(first.details.at("criticality")) == "supercritical");
   const Branch& doubled = r.branches[1];
   CHECK(doubled.parent->label == first.label);
@@ -85,7 +85,7 @@ TEST_CASE("damped Hertz: locate gives the period doubling from either side and w
       options.shooting.flow.kind = kind;
       const LocateResult result = locate(system, orbit, PointType::PD, 0.92, 0.01, options);
       REQUIRE(result.point);
-      // The general integrator crosses entry and exit without regularisation: a few more rounding errors.
+      // The general integrator passes entry and exit without regularisation: a few more rounding errors.
       CHECK(std::abs(result.point->value - 0.919542643087348) < (kind == FlowKind::general ? 1e-11 : 1e-12));
     }
     const LocateResult none = locate(system, orbit, PointType::NS, 0.92, 0.01, {});
@@ -113,7 +113,7 @@ TEST_CASE("damped Hertz: labels of the cascade appear in order") {
 }
 
 TEST_CASE(
-    "undamped Hertz, Newton, linear stop and the beams give their branches by the same call, off the published values too") {
+    "undamped Hertz, Newton, linear stop and the beams give their branches by the same call beyond the published values too") {
   const auto follow = [](const char* oscillator, const char* law, const Values& values, int period, double to) {
     ContinuationOptions options;
     options.to = to;
@@ -138,12 +138,12 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("any parameter can be continued, in both directions") {
+TEST_CASE("any parameter can be continued in both directions") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b_H", 0.1}, {"eta", 0.95}});
   const PeriodicOrbit orbit = shoot(system, p, Vector{{2.0, 1.5}}, 1);
   for (const ParameterInfo& parameter : system.parameters) {
-    if (parameter.name == "beta") continue;  // beta = 0 has a flow of its own; below
+    if (parameter.name == "beta") continue;  // beta = 0 has a separate flow; see below
     const double here = p[static_cast<Eigen::Index>(parameter_index(system.parameters, parameter.name))];
     ContinuationOptions options;
     options.parameter = parameter.name;
@@ -165,7 +165,7 @@ TEST_CASE("any parameter can be continued, in both directions") {
   CHECK(continue_orbit(system, orbit, cubic)[0].stop == BranchStop::reached_bound);
 }
 
-TEST_CASE("misuse of continuation is refused in one sentence, interruption keeps the points") {
+TEST_CASE("misuse of continuation is refused in one sentence and interruption keeps the points") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 1.0}});
   const PeriodicOrbit orbit = shoot(system, p, settle(system, p, Vector::Zero(2)).state, 1);
@@ -187,7 +187,7 @@ TEST_CASE("misuse of continuation is refused in one sentence, interruption keeps
   CHECK(branches[0].points.size() == 6);
 }
 
-TEST_CASE("a branch reaches the end of what the model allows, and stands on it exactly") {
+TEST_CASE("a branch reaches the end of the range of the model and its last point lies exactly on it") {
   const HybridSystem system = make_oscillator("linear", "newton");
   for (const double to : {1.0, 0.0}) {
     const Vector p = parameters(system, {{"k_r", 0.6}, {"eta", 0.95}});
@@ -204,7 +204,7 @@ TEST_CASE("a branch reaches the end of what the model allows, and stands on it e
   }
 }
 
-TEST_CASE("check_branch finds what has been tampered with") {
+TEST_CASE("check_branch detects changed values") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b_H", 0.1}, {"eta", 0.95}});
   ContinuationOptions options;
@@ -221,7 +221,7 @@ TEST_CASE("check_branch finds what has been tampered with") {
   CHECK_FALSE(check_branch(system, outside).empty());
   back.points[4].arclength = 0.0;
   CHECK_FALSE(check_branch(system, back).empty());
-  // Turned round in the middle, and run back along itself.
+  // Reversed in the middle, and retraced along itself.
   Branch again = good;
   const std::size_t half = good.points.size() / 2;
   for (std::size_t k = half; k < good.points.size(); ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whether two rows at one value are on the same attractor: orbits and chaos from different starts, coexisting ones, neighbours.
+// Comparison of two rows at one value: orbits and chaos from different starts, coexisting attractors, neighbours.
 #include <graze/floquet/follow/same_attractor.hpp>
 
 #include "support/damped_hertz.hpp"
@@ -13,7 +13,7 @@ using namespace graze::support;
 
 namespace {
 
-/// The first row of a sweep from there.
+/// The first row of a sweep from this start.
 SweepRow row_from(double eta, const Vector& start, int samples = 200) {
   SweepOptions options;
   options.from = eta;
@@ -31,7 +31,7 @@ const Vector rest{{0.0, 0.0}}, other{{-0.7, 0.4}};
 
 }  // namespace
 
-TEST_CASE("same attractor: an orbit is the same from any start, whichever of its states comes first") {
+TEST_CASE("same attractor: an orbit is the same from any start and for any order of its states") {
   const SweepRow one = row_from(0.918, rest);
   REQUIRE(one.attractor.period == 2);
   SweepRow turned = row_from(0.918, other);
@@ -39,16 +39,16 @@ TEST_CASE("same attractor: an orbit is the same from any start, whichever of its
   std::swap(turned.states[0], turned.states[1]);
   CHECK(on_same_attractor(one, turned));
   CHECK_FALSE(on_same_attractor(one, row_from(0.918001, rest)));
-  CHECK_FALSE(on_same_attractor(one, row_from(0.93, rest)));  // of another period
+  CHECK_FALSE(on_same_attractor(one, row_from(0.93, rest)));  // another period
 }
 
-TEST_CASE("same attractor: chaos is the same from any start, and another at another value") {
+TEST_CASE("same attractor: chaos is the same from any start and different at another value") {
   const SweepRow one = row_from(0.711, rest);
   REQUIRE(one.attractor.type == AttractorType::chaotic);
   CHECK(on_same_attractor(one, row_from(0.711, other)));
   CHECK(on_same_attractor(one, row_from(0.711, Vector{{0.9, -0.2}})));
   CHECK_FALSE(on_same_attractor(one, row_from(0.735, rest)));
-  // Its exponents say so, and where they do not its states do.
+  // The exponents differ; where they do not, the states do.
   SweepRow moved = row_from(0.711, other);
   for (Vector& state : moved.states) state[0] += 0.3;
   CHECK_FALSE(on_same_attractor(one, moved));
@@ -60,10 +60,10 @@ TEST_CASE("same attractor: chaos is the same from any start, and another at anot
   REQUIRE(part.states.size() > 50);
   REQUIRE(part.states.size() < 150);
   CHECK_FALSE(on_same_attractor(one, part));
-  CHECK_FALSE(on_same_attractor(one, row_from(0.711, other, 16)));  // too few states to tell
+  CHECK_FALSE(on_same_attractor(one, row_from(0.711, other, 16)));  // too few states to decide
 }
 
-TEST_CASE("same attractor: an orbit is not the chaos beside it, and what is undecided is nothing known") {
+TEST_CASE("same attractor: an orbit differs from the chaos beside it and an undecided row is unknown") {
   SweepRow chaos = row_from(0.7022, rest);
   REQUIRE(chaos.attractor.type == AttractorType::chaotic);
   SweepRow undecided = chaos;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Orbits symmetric between two barriers touch both together: one grazing, not two, at which several contacts are lost or gained.
+// Orbits symmetric between two barriers touch both together: one grazing, not two, at which several contacts are lost or
+// gained.
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 
@@ -37,9 +38,9 @@ std::vector<double> impacts_at(const SpecialPoint& grazing) {
 
 }  // namespace
 
-TEST_CASE("a symmetric branch loses its impacts at both rigid barriers in one grazing, and goes on without them") {
+TEST_CASE("a symmetric branch loses its impacts at both rigid barriers in one grazing and continues without them") {
   const HybridSystem system = two_sided_oscillator(true);
-  // The orbits with both impacts end on the impactless grazing, coming from below (nonsmooth fold) or from above (persistence).
+  // The orbits with both impacts end on the impactless grazing, from below (nonsmooth fold) or from above (persistence).
   struct Row {
     double eta, start;
   };
@@ -64,7 +65,7 @@ TEST_CASE("a symmetric branch loses its impacts at both rigid barriers in one gr
     CHECK(std::abs(grazings[0].value - grazing) < 1e-12);
     CHECK(text_detail(grazings[0], "kind") == "lost");
     CHECK(impacts_at(grazings[0]) == std::vector<double>{2.0, 0.0});
-    REQUIRE(grazings[0].orbit.events.size() == 2);  // both touch, at the two barriers
+    REQUIRE(grazings[0].orbit.events.size() == 2);  // both touch, one at each barrier
     for (const EventRecord& touch : grazings[0].orbit.events) {
       CHECK(touch.normal_speed == 0.0);
       CHECK(std::abs(std::abs(touch.x_minus[0]) - 1.0) < 1e-9);
@@ -77,7 +78,7 @@ TEST_CASE("a symmetric branch loses its impacts at both rigid barriers in one gr
     CHECK(graph.branches[1].points.front().impacts == 0);
     CHECK(graph.branches[1].stop == BranchStop::reached_bound);
     CHECK(graph.branches[1].points.back().value == Approx(0.9 * grazing).epsilon(1e-14));
-    // The points themselves are those of the closed form.
+    // The points agree with the closed form.
     for (const BranchPoint& point : branch.points) {
       double distance = INFINITY;
       for (const int root : {1, -1})
@@ -89,7 +90,7 @@ TEST_CASE("a symmetric branch loses its impacts at both rigid barriers in one gr
   }
 }
 
-TEST_CASE("a symmetric branch passes the grazing of both elastic stops as one point, both ways") {
+TEST_CASE("a symmetric branch passes the grazing of both elastic stops as one point in both directions") {
   const HybridSystem system = two_sided_oscillator(false);
   for (const double eta : {0.65, 0.9, 1.3}) {
     const double grazing = grazing_at(eta), xi = 0.97 * grazing;
@@ -100,15 +101,15 @@ TEST_CASE("a symmetric branch passes the grazing of both elastic stops as one po
     INFO("eta " << eta);
     REQUIRE(up.size() == 1);
     CHECK(up[0].stop == BranchStop::reached_bound);
-    CHECK(up[0].points.size() < 50);  // no step collapses
+    CHECK(up[0].points.size() < 50);  // the steps do not become tiny
     const auto gained = points_of(up[0], PointType::GR);
     REQUIRE(gained.size() == 1);
     CHECK(gained[0].status == PointStatus::converged);
     CHECK(std::abs(gained[0].value - grazing) < 1e-13);
     CHECK(impacts_at(gained[0]) == std::vector<double>{0.0, 2.0});
     CHECK(check_branch(system, up[0]) == std::vector<std::string>{});
-    // Back from an orbit with both contacts. (At eta = 0.65 the orbits lose their symmetry 3e-4 beyond the grazing: a step back
-    // may pass over to the broken branch there.)
+    // Back from an orbit with both contacts. (At eta = 0.65 the orbits lose their symmetry 3e-4 beyond the grazing: a step
+    // back may pass over to the symmetry-broken branch there.)
     const BranchPoint& end = up[0].points.at(gained[0].after_point + 2);
     REQUIRE(end.impacts == 2);
     if (eta == 0.65) continue;

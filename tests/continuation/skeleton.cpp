@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The skeleton of the published range: what must be in it, and every special point computed a second way.
+// The skeleton of the published range: its required contents, and an independent computation of every special point.
 #include <graze/continuation/conditions/grazing.hpp>
 #include <graze/continuation/conditions/grazing_edge.hpp>
 #include <graze/continuation/conditions/multiplier_condition.hpp>
@@ -71,8 +71,8 @@ void check_graph(const Case& c) {
   for (const Branch& branch : c.found.graph.branches) {
     INFO("branch " << branch.id);
     CHECK(check_branch(c.system, branch) == std::vector<std::string>{});
-    const bool not_told = branch.message.find("cannot be told apart") != std::string::npos;
-    CHECK((not_told || branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::grazing ||
+    const bool not_resolved = branch.message.find("cannot be told apart") != std::string::npos;
+    CHECK((not_resolved || branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::grazing ||
            branch.stop == BranchStop::returned));
     for (const SpecialPoint& point : branch.special_points) CHECK(labels.insert(point.label).second);
     if (!branch.parent) continue;
@@ -84,7 +84,7 @@ void check_graph(const Case& c) {
   }
 }
 
-/// The special point again, in other nodes: twice as many, from another forcing phase on. NaN if that does not converge.
+/// The special point again, with different nodes: twice the number, from another forcing phase. NaN if this does not converge.
 double second_way(const Case& c, const SpecialPoint& point, double section) {
   const PeriodicOrbit& orbit = point.orbit;
   const int n = orbit.period;
@@ -92,7 +92,7 @@ double second_way(const Case& c, const SpecialPoint& point, double section) {
                     orbit.section_phase);
   OrbitProblem problem(c.system, orbit.parameters, n, 2 * n, oscillator_parameter::eta, 0.3, {}, section);
   const Vector u = here.pack(orbit.nodes, orbit.duration, point.value);
-  // A start a little off: the other way must find the point by itself.
+  // The start is displaced a little, so that the second computation must converge by itself.
   OrbitProblem moved = here.with_section(section);
   const auto moved_u = here.to_section(moved, u);
   if (!moved_u) return NAN;
@@ -141,7 +141,7 @@ void check_second_way(const Case& c) {
 TEST_CASE("skeleton of damped Hertz over the published range") {
   const Case c = skeleton_of("hertz", 0.1);
   check_graph(c);
-  // The issue's figures, and those of data/reference.toml.
+  // The figures in the issue, and those of data/reference.toml.
   CHECK(has(c.found, PointType::PD, 0.919542643087347, 1e-12));
   CHECK(has(c.found, PointType::PD, 0.743324589428472, 1e-12));
   CHECK(has(c.found, PointType::PD, 0.711271807308207, 1e-12));
@@ -165,12 +165,12 @@ TEST_CASE("skeleton of undamped Hertz: two folds with a grazing between them wit
     for (const SpecialPoint* point : of_type(c.found, type))
       if (std::abs(point->value - 0.791) < 1e-3) near.push_back(point->value);
   REQUIRE(near.size() == 3);
-  CHECK((near[2] - near[0]) * (near[2] - near[1]) < 0.0);  // the grazing between the folds
+  CHECK((near[2] - near[0]) * (near[2] - near[1]) < 0.0);  // the grazing lies between the folds
   CHECK(std::abs(near[0] - near[1]) < 3e-4);
   check_second_way(c);
 }
 
-TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both of its sides") {
+TEST_CASE("skeleton of Newton: every hard grazing is shared by the families on both of its sides") {
   const Case c = skeleton_of("newton", 0.0, 1);
   check_graph(c);
   CHECK(has(c.found, PointType::GR, std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0), 1e-13));
@@ -180,9 +180,10 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
     CHECK((scenario == "persistence" || scenario == "nonsmooth-fold"));
     CHECK(point->precision < 1e-12);
   }
-  // Next to the impactless grazing an orbit of long period has several maxima within 1e-10 of the barrier, and where its branch
-  // ends cannot be told in doubles. In 60 digits it begins at 0.71068636786025 (one impact gained) and has another maximum touch
-  // at 0.7106873690926(2), with another one 3e-11 below the barrier and an impact of speed 8.9e-9. It is kept, and listed.
+  // Near the impactless grazing an orbit of long period has several maxima within 1e-10 of the barrier, so that double
+  // precision cannot resolve the end of its branch. In 60 digits it begins at 0.71068636786025 (one impact gained). Another
+  // maximum touches at 0.7106873690926(2), with a further one 3e-11 below the barrier and an impact of speed 8.9e-9. The
+  // branch is kept and listed.
   const auto& cut_off = c.found.graph.cut_off;
   int broken_off = 0;
   for (const Branch& branch : c.found.graph.branches) {
@@ -195,12 +196,12 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
     CHECK(std::any_of(cut_off.begin(), cut_off.end(), [&](const CutOff& entry) { return entry.label == label; }));
   }
   CHECK(broken_off <= 1);
-  // Orbits with the weak impact in some of their turns are not followed, and counted.
+  // Orbits with the weak impact in some of their turns are counted but not followed.
   CHECK(std::any_of(cut_off.begin(), cut_off.end(), [](const CutOff& entry) { return entry.families > 0; }));
-  // Families that only the multiples lead to: 1/6 ... 1/16 and their like, born on the grazing of the 1/2 orbit.
+  // Families that are reached only through the multiples: 1/6 ... 1/16 and the like, born on the grazing of the 1/2 orbit.
   CHECK(std::count_if(c.found.graph.branches.begin(), c.found.graph.branches.end(),
                       [](const Branch& branch) { return branch.period % 2 == 0 && branch.period > 4; }) > 40);
-  // The family without the impact is followed from there, and found by no seed of its own.
+  // The family without the impact is followed from there and not found from a separate seed.
   for (const Branch& branch : c.found.graph.branches) {
     if (branch.stop != BranchStop::grazing) continue;
     const SpecialPoint& end = branch.special_points.back();
@@ -212,7 +213,7 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
     INFO("branch " << branch.id << " ends at " << end.label);
     CHECK(beyond > 0);
   }
-  // To the last bit the same on two threads.
+  // Identical bits on two threads.
   const Case again = skeleton_of("newton", 0.0, 2);
   REQUIRE(again.found.graph.branches.size() == c.found.graph.branches.size());
   for (std::size_t k = 0; k < c.found.graph.branches.size(); ++k) {
@@ -225,11 +226,11 @@ TEST_CASE("skeleton of Newton: every hard grazing shared by the families on both
   }
 }
 
-TEST_CASE("a graph that was interrupted goes on from the branches it has, and comes to the same end") {
-  // Without multiples, for which grazing_multiples.cpp tests the same.
+TEST_CASE("an interrupted graph continues from its branches to the same end") {
+  // Without multiples; grazing_multiples.cpp tests the same with them.
   Case c = skeleton_of("newton", 0.0, 2, 1);
   const std::vector<Branch>& whole = c.found.graph.branches;
-  // As a result file holds them: states at phase 0 and no more.
+  // As in a result file: only the states at phase 0.
   std::vector<Branch> kept(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
   for (Branch& branch : kept)
     for (SpecialPoint& point : branch.special_points) point.orbit.events.clear();
@@ -260,7 +261,7 @@ TEST_CASE("a graph that was interrupted goes on from the branches it has, and co
     for (const SpecialPoint& point : branch.special_points) CHECK(labels.insert(point.label).second);
 }
 
-TEST_CASE("a family is known again where an impact passes phase 0 between two of its points") {
+TEST_CASE("a family is recognised if an impact passes phase 0 between two of its points") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"k_r", 0.6}, {"r", 0.3}});
   SkeletonOptions options;
@@ -269,14 +270,14 @@ TEST_CASE("a family is known again where an impact passes phase 0 between two of
   options.settled_values = 61;
   const Skeleton found = skeleton(system, p, options);
   CHECK(found.seeds.size() > 60);
-  // The 1/1 orbits, both ways from their seed or in one piece.
+  // The 1/1 orbits, in both directions from their seed or in one piece.
   int towards_upper_end = 0;
   for (const Branch& branch : found.graph.branches)
     if (branch.period == 1 && branch.points.front().impacts == 1) towards_upper_end += branch.points.back().value == 1.0 ? 1 : 0;
   CHECK(towards_upper_end == 1);
 }
 
-TEST_CASE("a branch that was followed both ways from a seed inside the range is one curve") {
+TEST_CASE("a branch that was followed in both directions from a seed inside the range is one curve") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b_H", 0.1}, {"eta", 0.93}});
   const PeriodicOrbit orbit = shoot(system, p, settle(system, p, Vector::Zero(2)).state, 1);
@@ -288,18 +289,18 @@ TEST_CASE("a branch that was followed both ways from a seed inside the range is 
   REQUIRE(graph.branches.size() == 3);  // two halves, and the doubled branch
   const std::vector<std::vector<std::size_t>> curves = curves_of(graph.branches);
   CHECK(curves == std::vector<std::vector<std::size_t>>{{0, 1}, {2}});
-  // The halves have the seed in common and no other orbit.
+  // The halves share the seed and no other orbit.
   const Branch &up = graph.branches[0], &down = graph.branches[1];
   CHECK(up.points.front().value == Approx(0.93).epsilon(1e-14));
   CHECK((up.points.back().value - 0.93) * (down.points.back().value - 0.93) < 0.0);
   for (const BranchPoint& point : down.points) CHECK((point.value - 0.93) * (down.points.back().value - 0.93) >= -1e-14);
-  // Without the other half it is a curve of its own.
+  // Without the other half it is a separate curve.
   CHECK(curves_of({graph.branches[1], graph.branches[2]}).size() == 2);
 }
 
 namespace {
 
-/// A rigid stop over a range of eta, with what is kept by default in graze diagram.
+/// A rigid stop over a range of eta, with the default selection of graze diagram.
 Skeleton stable_skeleton(const Vector& p, double from, double to, int max_period) {
   SkeletonOptions options;
   options.continuation.from = from;
@@ -318,27 +319,27 @@ bool is_stable_somewhere(const Branch& branch) {
 
 }  // namespace
 
-TEST_CASE("a stable isola on which no sweep ends is in the skeleton") {
+TEST_CASE("a stable isola without the end of a sweep is in the skeleton") {
   const Vector p = parameters(make_oscillator("linear", "newton"), {{"r", 1.0}, {"k_r", 0.8}});
   const Skeleton found = stable_skeleton(p, 0.4, 4.0, 2);
   CHECK(has(found, PointType::LP, 2.217669127453647, 1e-11));
   CHECK(has(found, PointType::LP, 2.772618713704250, 1e-11));
 }
 
-TEST_CASE("stable orbits of every period up to the longest are searched, as fine as a hundredth of the range") {
+TEST_CASE("stable orbits of every period up to the longest are searched on a grid of a hundredth of the range") {
   const Vector p = parameters(make_oscillator("linear", "newton"), {{"b", 0.02}, {"r", 0.2}, {"k_r", 0.7}});
   const Skeleton found = stable_skeleton(p, 5.0, 14.0, 6);
   CHECK(found.fineness.max_period == 6);
   CHECK(found.fineness.spacing == Approx((14.0 - 5.0) / (found.fineness.values - 1)));
   CHECK(found.fineness.spacing < 0.01 * (14.0 - 5.0));
   CHECK(found.fineness.unstable_values == 0);
-  // In closed form, with 40 digits.
+  // From the closed form, with 40 digits.
   for (const double value : {5.155619720995, 6.224562405290}) CHECK(has(found, PointType::GR, value, 1e-11));
   for (const double value : {7.394134417878, 8.778738262578}) CHECK(has(found, PointType::PD, value, 1e-11));
   for (const double value : {8.174281036223, 9.504968780561}) CHECK(has(found, PointType::LP, value, 1e-11));
 }
 
-TEST_CASE("of all families those that are stable somewhere are kept to the last digit, with what bounds them") {
+TEST_CASE("all families that are stable somewhere are kept with the points that bound them") {
   SkeletonOptions options;
   options.continuation.from = 0.65;
   options.continuation.to = 0.95;
@@ -376,7 +377,7 @@ TEST_CASE("of all families those that are stable somewhere are kept to the last 
               (other.stop == BranchStop::grazing && std::abs(other.stop_value - end.value) < 1e-9));
     }));
   }
-  // It is said what was left out.
+  // The omitted families are reported.
   const auto left_out = [](const Skeleton& found) {
     return std::count_if(found.graph.cut_off.begin(), found.graph.cut_off.end(),
                          [](const CutOff& cut) { return cut.branch == 0 && cut.families > 0; });
@@ -385,7 +386,7 @@ TEST_CASE("of all families those that are stable somewhere are kept to the last 
   CHECK(left_out(all) == 0);
 }
 
-TEST_CASE("distances that shrink in a constant ratio accumulate, those of a power law do not") {
+TEST_CASE("distances that shrink in a constant ratio accumulate and those of a power law do not") {
   std::array<double, grazings_of_series> values{};
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = 2.0 - 0.3 * std::pow(0.7, static_cast<double>(values.size() - k));
   const std::optional<SeriesLimit> limit = limit_of_series(values);
@@ -402,7 +403,7 @@ TEST_CASE("distances that shrink in a constant ratio accumulate, those of a powe
   CHECK_FALSE(limit_of_series(values));
 }
 
-TEST_CASE("a series towards complete chatter is followed to its accumulation, and the orbits that stick beyond it") {
+TEST_CASE("a series towards complete chatter is followed to its accumulation and the sticking orbits beyond it") {
   const Vector p = parameters(make_oscillator("linear", "newton"), {{"b", 0.02}, {"r", 0.5}, {"k_r", 0.7}});
   const Skeleton found = stable_skeleton(p, 0.42, 0.45, 1);
   const auto sticks = [](const BranchPoint& point) { return point.isolated_impacts < point.impacts; };
@@ -428,7 +429,7 @@ TEST_CASE("a series towards complete chatter is followed to its accumulation, an
   CHECK(std::abs(ratio - 0.7) < 0.02);  // the coefficient of restitution
 }
 
-TEST_CASE("what doubles on a branch too narrow to be seen is listed where it is born if it has many impacts") {
+TEST_CASE("a doubled orbit with many impacts on a very narrow branch is listed where it is born") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.925}, {"b_H", 0.1}});
   const Settled settled = settle(system, p, Vector::Zero(2));
@@ -450,7 +451,7 @@ TEST_CASE("what doubles on a branch too narrow to be seen is listed where it is 
       return cut.label.starts_with("PD") && cut.reason.starts_with("more than 3 impacts, born on a branch narrower than");
     });
   };
-  // All branches are narrower than twice the range; none is than a billionth of it.
+  // All branches are narrower than twice the range; none is narrower than a billionth of it.
   const BranchGraph cut = graph_of(2.0), whole = graph_of(1e-9);
   CHECK(of_period(whole, 4) > 0);
   CHECK(listed(whole) == 0);
@@ -459,7 +460,7 @@ TEST_CASE("what doubles on a branch too narrow to be seen is listed where it is 
   CHECK(listed(cut) > 0);
 }
 
-TEST_CASE("an orbit without states that is shortened to its least period has none afterwards") {
+TEST_CASE("an orbit without states that is reduced to its least period has none afterwards") {
   PeriodicOrbit orbit;
   orbit.period = 2;
   orbit.state = vector({0.3, 0.1});
@@ -469,7 +470,7 @@ TEST_CASE("an orbit without states that is shortened to its least period has non
   grazing.family_dp = grazing.u;
   CHECK(to_least_period(orbit, grazing) == 1);
   CHECK(orbit.states.empty());
-  // So it is compared with no other.
+  // Therefore it equals no other orbit.
   const GrazingEdge unknown{0.5, 1, 1, orbit.states}, known{0.5, 1, 1, {orbit.state}};
   CHECK(!same_edge(unknown, known));
   CHECK(!same_edge(known, unknown));

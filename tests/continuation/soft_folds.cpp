@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Folds in xi of soft contacts, twice: near a fold the two orbits lie apart by the root of the distance in xi, so that the
-// square of their difference, extrapolated to zero, gives the fold without any condition on multipliers; and with growing
-// stiffness the fold goes to the hard one in closed form (k_r = 1), as the duration of a contact goes to zero: like k_S^(-1/2)
-// (linear elastic), like k_H^(-2/5) (Hertz).
+// Folds in xi of soft contacts, computed in two ways. Near a fold the distance between the two orbits is the root of the
+// distance in xi. The square of their difference, extrapolated to zero, therefore gives the fold without a condition on
+// multipliers. With growing stiffness the fold tends to the hard one in closed form (k_r = 1) like the duration of a contact:
+// k_S^(-1/2) (linear elastic), k_H^(-2/5) (Hertz).
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
@@ -28,7 +28,8 @@ const Case cases[] = {{1.31, 0.3, 1}, {2.6, 0.3, 2}, {3.4, 0.3, 2}, {4.6, 0.3, 3
 
 OneImpactFamily hard_family(const Case& c) { return one_impact_family({.b = 0.05, .eta = c.eta, .r = c.r, .k_r = 1.0}, c.n); }
 
-/// The branch from the orbit that the hard one of 1.7 times the fold's speed becomes, through the fold.
+/// The branch through the fold. It starts from the hard orbit with 1.7 times the speed at the fold, converted to the soft
+/// contact.
 Branch through_fold(const HybridSystem& system, const char* stiffness, double value, double b_H, const Case& c) {
   const OneImpactFamily family = hard_family(c);
   const double speed = 1.7 * family.fold_speed();
@@ -62,7 +63,8 @@ SpecialPoint fold_of(const HybridSystem& system, const char* stiffness, double v
   return folds[0];
 }
 
-/// How far the fold lies from where the two orbits meet, from their difference at 1, 2 and 3 steps from it.
+/// Distance of the fold from the merging point of the two orbits, extrapolated from their difference at 1, 2 and 3 steps from
+/// it.
 double extrapolated_distance(const HybridSystem& system, const char* stiffness, double value, double b_H, const Case& c) {
   const Branch branch = through_fold(system, stiffness, value, b_H, c);
   const SpecialPoint fold = points_of(branch, PointType::LP).at(0);
@@ -70,7 +72,7 @@ double extrapolated_distance(const HybridSystem& system, const char* stiffness, 
   const double h = 1e-4 * fold.value;
   double square[3];
   for (int k = 0; k < 3; ++k) {
-    // From the branch's points on either side of the fold, drawn nearer like the root of the distance in xi.
+    // From the points of the branch on either side of the fold; their distance is scaled like the root of the distance in xi.
     Vector state[2];
     for (const std::size_t side : {0u, 1u}) {
       const BranchPoint& point = branch.points[fold.after_point + side];
@@ -90,12 +92,12 @@ double extrapolated_distance(const HybridSystem& system, const char* stiffness, 
 
 }  // namespace
 
-TEST_CASE("folds of soft contacts lie where the two orbits that merge in them meet") {
+TEST_CASE("folds of soft contacts lie where the two merging orbits coincide") {
   const HybridSystem linear = make_oscillator("linear", "linear"), hertz = make_oscillator("linear", "hertz");
   for (const Case& c : cases) {
     for (const double value : {1e3, 1e4}) {
       INFO("eta " << c.eta << " n " << c.n << " stiffness " << value);
-      // The extrapolation errs in the third order of a relative step of 1e-4, and by its rounding.
+      // The error of the extrapolation is of third order in a relative step of 1e-4, plus rounding.
       const double tolerance = 1e-10;
       CHECK(extrapolated_distance(linear, "k_S", value, 0.0, c) < tolerance);
       for (const double b_H : {0.0, 0.05}) CHECK(extrapolated_distance(hertz, "k_H", value, b_H, c) < tolerance);
@@ -103,7 +105,7 @@ TEST_CASE("folds of soft contacts lie where the two orbits that merge in them me
   }
 }
 
-TEST_CASE("folds of soft contacts go to the hard ones with the duration of the contact") {
+TEST_CASE("folds of soft contacts tend to the hard ones with the duration of the contact") {
   const HybridSystem linear = make_oscillator("linear", "linear"), hertz = make_oscillator("linear", "hertz");
   for (const Case& c : cases) {
     INFO("eta " << c.eta << " n " << c.n);
@@ -114,7 +116,7 @@ TEST_CASE("folds of soft contacts go to the hard ones with the duration of the c
       CHECK(near > 0.0);
       return std::log10(far / near) / std::log10(stiff / soft);
     };
-    // The next term is smaller by the duration of the contact, 0.01 to 0.02, relative.
+    // The next term is smaller by the relative duration of the contact, 0.01 to 0.02.
     CHECK(order(linear, "k_S", 1e4, 1e5) == Approx(0.5).margin(0.03));
     CHECK(order(hertz, "k_H", 1e5, 1e6) == Approx(0.4).margin(0.03));
   }

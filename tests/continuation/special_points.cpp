@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a special point says of its orbit: whether it is stable, and how many contacts it has.
+// Properties of the orbit at a special point: its stability, and its number of contacts.
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -30,7 +30,7 @@ std::vector<EventRecord> contacts_begun(const PeriodicOrbit& orbit) {
 
 }  // namespace
 
-TEST_CASE("at a period doubling and at a fold an orbit is neither called stable nor unstable") {
+TEST_CASE("at a period doubling and at a fold an orbit is reported neither as stable nor as unstable") {
   const HybridSystem hertz = make_oscillator("linear", "hertz"), beam = make_oscillator("cantilever", "newton");
   const Vector p = parameters(hertz, {{"b_H", 0.1}, {"eta", 0.95}});
   const Vector q = parameters(beam, {{"b", 0.05}, {"xi", 20.0}, {"r", 10.0}, {"eta", 1.1}});
@@ -41,7 +41,7 @@ TEST_CASE("at a period doubling and at a fold an orbit is neither called stable 
   std::vector<SpecialPoint> points = continue_orbit(hertz, settled(hertz, p), options).front().special_points;
   const std::vector<SpecialPoint> more = continue_orbit(beam, settled(beam, q), options).front().special_points;
   points.insert(points.end(), more.begin(), more.end());
-  int doublings = 0, folds = 0, told = 0;
+  int doublings = 0, folds = 0, compared = 0;
   for (const SpecialPoint& point : points) {
     INFO(point_type_name(point.type) << " at " << point.value);
     doublings += point.type == PointType::PD ? 1 : 0;
@@ -50,26 +50,26 @@ TEST_CASE("at a period doubling and at a fold an orbit is neither called stable 
       CHECK(is_marginal(point.type));
       CHECK_FALSE(stable_at(point).has_value());
     } else {
-      // The grazing of a soft contact among them: the return map is smooth there.
+      // The grazing of a soft contact is among them: the return map is smooth there.
       CHECK_FALSE(is_marginal(point.type));
       REQUIRE(stable_at(point).has_value());
       CHECK(*stable_at(point) == (std::abs(point.orbit.multipliers.values.front()) <= 1.0));
-      ++told;
+      ++compared;
     }
   }
   CHECK(doublings >= 1);
   CHECK(folds >= 1);
-  CHECK(told >= 8);  // of each branch both ends and two values
+  CHECK(compared >= 8);  // both ends and two values of each branch
 }
 
-TEST_CASE("the contacts of a grazing orbit are as many as it is said to have, the one that touches among them") {
+TEST_CASE("a grazing orbit has its stated number of contacts including the one that touches") {
   for (const char* law : {"hertz", "linear", "newton"}) {
     const HybridSystem system = make_oscillator("linear", law);
     const Vector p = parameters(system, {{"eta", 0.70}});
     const PeriodicOrbit orbit = shoot(system, p, steady_response(p), 1);
     INFO(law);
     REQUIRE(orbit.impacts == 0);
-    // Located with the parameter decreasing the impact is lost, and the orbit has it still.
+    // Located with the parameter decreasing, the impact is lost, and the orbit still has it.
     const LocateResult located = locate(system, orbit, PointType::GR, 0.7107, 0.002, {});
     REQUIRE(located.point);
     const SpecialPoint& point = *located.point;
@@ -85,7 +85,7 @@ TEST_CASE("the contacts of a grazing orbit are as many as it is said to have, th
     CHECK(point.orbit.events.size() == (std::string(law) == "newton" ? 1 : 2));
     // A hard contact that grazes: the return map has no derivative.
     CHECK(stable_at(point).has_value() == (std::string(law) != "newton"));
-    // Along the branch, with the parameter increasing, it is gained: the orbit has none yet.
+    // Along the branch, with the parameter increasing, the impact is gained: the orbit does not have it yet.
     ContinuationOptions options;
     options.to = 0.7120;
     options.switch_generations = 0;

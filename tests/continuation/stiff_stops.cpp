@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Stiff linear stops: what becomes of a branch at the grazing of the impactless orbit as k_S grows. At a nonsmooth fold of the
-// hard contact the branch has a corner there, of size k_S^-2: below the rounding of doubles from k_S = 1e7 on.
+// Stiff linear stops: a branch at the grazing of the impactless orbit as k_S grows. At a nonsmooth fold of the hard contact
+// the branch has a corner of size k_S^-2: below the rounding of doubles from k_S = 1e7 on.
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
@@ -16,7 +16,7 @@ using namespace graze::support;
 
 namespace {
 
-/// From the impactless orbit just before its grazing on, with r = 1, b = 0.05, in xi.
+/// From the impactless orbit just before its grazing, with r = 1, b = 0.05, in xi.
 std::vector<Branch> through_grazing(const HybridSystem& system, double eta, const char* constant, double value) {
   const double b = 0.05, stiff = 1.0 - eta * eta, drag = 2.0 * b * eta, grazing = std::hypot(stiff, drag), xi = 0.97 * grazing;
   const Vector p = parameters(system, {{"b", b}, {"xi", xi}, {"eta", eta}, {"r", 1.0}, {constant, value}});
@@ -32,10 +32,10 @@ std::vector<Branch> through_grazing(const HybridSystem& system, double eta, cons
 
 }  // namespace
 
-TEST_CASE("a branch goes through the grazing of a stop as stiff as you like, and comes to the orbits of the rigid one") {
+TEST_CASE("a branch passes the grazing of an arbitrarily stiff stop and tends to the orbits of the rigid one") {
   const HybridSystem elastic = make_oscillator("linear", "linear"), rigid = make_oscillator("linear", "newton");
-  // Nonsmooth folds at 0.55, 1.15 and 1.7 (a forcing period of the free oscillation with a negative sine), persistence at 0.8 and
-  // 2.2; at 0.42 and 0.55 the contact passes phase 0 on the way.
+  // Nonsmooth folds at 0.55, 1.15 and 1.7 (where the sine of the free oscillation over a forcing period is negative),
+  // persistence at 0.8 and 2.2. At 0.42 and 0.55 the contact passes phase 0 on the way.
   for (const double eta : {0.42, 0.55, 0.8, 1.15, 1.7, 2.2}) {
     const std::vector<Branch> hard = through_grazing(rigid, eta, "k_r", 1.0);
     REQUIRE(hard.size() == 2);
@@ -58,7 +58,7 @@ TEST_CASE("a branch goes through the grazing of a stop as stiff as you like, and
       const auto folds = points_of(soft[0], PointType::LP);
       REQUIRE(folds.size() == (fold ? 1 : 0));
       if (fold) CHECK(std::abs(folds[0].value - grazing) < 1e-2 / k);
-      // A contact lasts pi / sqrt(k): the orbits differ by so much, and a tenth of it with k a hundred times as large.
+      // A contact lasts pi / sqrt(k): the orbits differ by that, and by a tenth of it if k is a hundred times larger.
       const BranchPoint& end = soft[0].points.back();
       REQUIRE(end.value == Approx(limit.value).epsilon(1e-13));
       CHECK(end.impacts == 1);

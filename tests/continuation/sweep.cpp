@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps: rows against orbits and motions computed for themselves, from any of their rows on and on any number of threads; orbits
-// of the values ahead; motions that linger.
+// Sweeps: rows against separately computed orbits and motions, continuation from any row, and any number of threads. Also
+// tested: predicted orbits, and laminar phases.
 #include <graze/floquet/follow/predicted_orbits.hpp>
 #include <graze/floquet/follow/sweep.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
@@ -20,7 +20,7 @@ using namespace graze::support;
 
 namespace {
 
-/// By 1e-4, with the exponents of orbits from their multipliers alone.
+/// Steps of 1e-4, with the exponents of orbits from their multipliers alone.
 SweepOptions fine_sweep(double from, double to, SweepDirection direction) {
   SweepOptions options;
   options.from = from;
@@ -66,8 +66,9 @@ SweepOptions varied_options() {
 
 }  // namespace
 
-TEST_CASE("sweep: past a period doubling it goes on with the doubled orbit") {
-  // The PD is at eta = 0.919542643. The end of a row is an orbit to rounding, and the next one's unstable orbit is near.
+TEST_CASE("sweep: past a period doubling it continues with the doubled orbit") {
+  // The PD is at eta = 0.919542643. The end of a row is an orbit to rounding, and the unstable orbit of the next value is
+  // near.
   const std::vector<SweepRow> rows =
       sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9198, SweepDirection::down));
   REQUIRE(rows.size() == 9);
@@ -78,7 +79,7 @@ TEST_CASE("sweep: past a period doubling it goes on with the doubled orbit") {
   }
 }
 
-TEST_CASE("sweep: a row has the states and impacts of its orbit, and what describes it") {
+TEST_CASE("sweep: a row has the states, impacts and properties of its orbit") {
   const std::vector<SweepRow> rows =
       sweep(damped_hertz(), hertz_parameters(), Vector{{0.0, 0.0}}, fine_sweep(0.9190, 0.9194, SweepDirection::down));
   for (const SweepRow& row : rows) {
@@ -92,7 +93,7 @@ TEST_CASE("sweep: a row has the states and impacts of its orbit, and what descri
     CHECK(row.attractor.isolated_impacts == row.attractor.impacts);
     CHECK(!row.attractor.orbit);  // there may be a million rows
     REQUIRE(row.states.size() == 2);
-    // The impacts of a free run from the first state, which comes back.
+    // The impacts of a free run that starts at the first state and returns to it.
     Propagator propagator(damped_hertz(), hertz_parameters(row.value));
     const double T = forcing_period(damped_hertz(), hertz_parameters(row.value));
     Transition run;
@@ -107,9 +108,9 @@ TEST_CASE("sweep: a row has the states and impacts of its orbit, and what descri
   }
 }
 
-TEST_CASE("sweep: a slow way off an unstable orbit is not taken for chaos") {
-  // Past the doubling of a 1/1 orbit; after the transients asked for the motion is still near it, after some thousand periods on
-  // 2/1.
+TEST_CASE("sweep: a slow departure from an unstable orbit is not taken for chaos") {
+  // Past the doubling of a 1/1 orbit. After the requested transients the motion is still near it; after some thousand periods
+  // it is on 2/1.
   const Vector p = parameters(newton_oscillator(), {{"b", 0.02}, {"r", 1.0748}, {"k_r", 1.0}, {"xi", 0.5}, {"eta", 0.94318}});
   for (const int transient : {10, 30, 100}) {
     SweepOptions options = fine_sweep(0.528355, 0.588355, SweepDirection::up);
@@ -127,8 +128,8 @@ TEST_CASE("sweep: a slow way off an unstable orbit is not taken for chaos") {
   }
 }
 
-TEST_CASE("sweep: of an orbit and itself twice over the single one is found") {
-  // After 24 periods the motion is nearer than after 12: its multiplier is -0.98.
+TEST_CASE("sweep: for an orbit and its double traversal the single one is found") {
+  // After 24 periods the motion is closer than after 12: its multiplier is -0.98.
   const Vector p = parameters(newton_oscillator(), {{"b", 0.005}, {"r", 0.0}, {"k_r", 0.7}, {"xi", 1.0}});
   SweepOptions options = fine_sweep(1.0206608428392157, 1.0236608428392158, SweepDirection::up);
   options.step = 0.0003;
@@ -138,8 +139,8 @@ TEST_CASE("sweep: of an orbit and itself twice over the single one is found") {
   CHECK(rows[9].attractor.impacts == 17);
 }
 
-TEST_CASE("sweep: chaos in narrow bands is not taken for a motion that lingers") {
-  // The cascade of the cantilever's 4/2 orbit ends in bands so narrow that the motion repeats itself to 2e-3 for good.
+TEST_CASE("sweep: chaos in narrow bands is not taken for a laminar phase") {
+  // The cascade of the cantilever's 4/2 orbit ends in such narrow bands that the motion always repeats itself to 2e-3.
   const HybridSystem system = make_oscillator("cantilever", "linear");
   const Vector p = parameters(system, {{"b", 0.026}, {"xi", 0.08}, {"r", 0.079}, {"beta", 36.0 / 35.0}, {"k_S", 25.0}});
   const std::vector<SweepRow> rows = sweep(system, p, Vector{{0.0, 0.0}}, fine_sweep(0.5904, 0.5905, SweepDirection::up));
@@ -148,7 +149,7 @@ TEST_CASE("sweep: chaos in narrow bands is not taken for a motion that lingers")
   CHECK(rows[1].attractor.exponents[0] < 0.008);
 }
 
-TEST_CASE("sweep: orbits of many periods are known by the returns of their motions") {
+TEST_CASE("sweep: orbits of many periods are recognised by the returns of their motions") {
   // Windows of 96 and of 128 periods in the chaos of the damped Hertz oscillator.
   SweepOptions options = fine_sweep(0.7332, 0.7348, SweepDirection::up);
   options.step = 0.0016;
@@ -165,7 +166,7 @@ TEST_CASE("sweep: orbits of many periods are known by the returns of their motio
     CHECK(row.attractor.type == AttractorType::periodic);
     CHECK(row.attractor.period == n[k]);
     REQUIRE(row.states.size() == static_cast<std::size_t>(n[k]));
-    // It comes back after as many periods of a free run, and not before.
+    // A free run returns after that number of periods, and not before.
     Propagator propagator(damped_hertz(), hertz_parameters(row.value));
     const double T = forcing_period(damped_hertz(), hertz_parameters(row.value));
     Transition run;
@@ -183,8 +184,8 @@ TEST_CASE("sweep: orbits of many periods are known by the returns of their motio
   for (const SweepRow& row : varied(options)) CHECK(row.attractor.type == AttractorType::undecided);
 }
 
-TEST_CASE("sweep: it ends where the state left by one value lies inside the barrier of the next") {
-  // Chaos, left behind early, and the barrier of a hard stop on its way to it.
+TEST_CASE("sweep: it ends where the final state of one value lies inside the barrier of the next") {
+  // Chaos, abandoned early, and a hard stop that moves towards it.
   const Vector p = parameters(newton_oscillator(), {{"eta", 0.7114}, {"r", 2.0}});
   SweepOptions options = coarse_averages(fine_sweep(1.5, 2.0, SweepDirection::down));
   options.parameter = "r";
@@ -197,20 +198,20 @@ TEST_CASE("sweep: it ends where the state left by one value lies inside the barr
   for (std::size_t k = 1; k < rows.size(); ++k) CHECK(rows[k - 1].end[0] <= rows[k].value);
 }
 
-TEST_CASE("sweep: it goes on from any of its rows, to the last bit") {
+TEST_CASE("sweep: it continues from any of its rows with identical bits") {
   const std::vector<SweepRow> whole = varied(varied_options());
   REQUIRE(whole.size() == 56);
   const auto chaotic = [](const SweepRow& row) { return row.attractor.type == AttractorType::chaotic; };
   CHECK(std::count_if(whole.begin(), whole.end(), chaotic) > 10);
   CHECK(std::count_if(whole.begin(), whole.end(), chaotic) < 50);
-  for (std::size_t kept = 1; kept < whole.size(); kept += 6) {  // before, at and behind the begins of blocks
+  for (std::size_t kept = 1; kept < whole.size(); kept += 6) {  // before, at and after the starts of blocks
     INFO(kept);
     CHECK(same(varied(varied_options(), {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(kept)}), whole));
   }
 }
 
-TEST_CASE("sweep: it keeps to its attractor where the start of the sweep would lead to another one") {
-  // The orbit of no impacts, up to where it grazes; from rest there is chaos beside it, on which the stretches ahead begin.
+TEST_CASE("sweep: it stays on its attractor even if the first start leads to another one") {
+  // The impactless orbit, up to its grazing. From rest there is chaos beside it, on which the speculative stretches begin.
   SweepOptions options = coarse_averages(fine_sweep(0.6950, 0.7044, SweepDirection::up));
   options.step = 0.0002;
   options.threads = GENERATE(1, 2);
@@ -229,24 +230,24 @@ TEST_CASE("sweep: it keeps to its attractor where the start of the sweep would l
     CHECK(find_attractor(damped_hertz(), hertz_parameters(rows[k].value), rest, alone).type == AttractorType::chaotic);
 }
 
-TEST_CASE("sweep: what is kept on its way is the begin of the whole, and nothing stops for it") {
+TEST_CASE("sweep: an intermediate result is the beginning of the whole and does not interrupt the sweep") {
   const std::vector<SweepRow> whole = varied(varied_options());
   SweepOptions options = varied_options();
   options.threads = GENERATE(1, 3);
-  std::size_t told = 0, longest = 0;
+  std::size_t reported = 0, longest = 0;
   options.keep = [&](const std::function<std::vector<SweepRow>()>& so_far) {
-    if (++told % 5 != 0) return;
+    if (++reported % 5 != 0) return;
     const std::vector<SweepRow> part = so_far();
     CHECK(part.size() >= longest);
     longest = part.size();
     CHECK(same(part, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(part.size())}));
   };
   CHECK(same(varied(options), whole));
-  CHECK(told >= whole.size());
+  CHECK(reported >= whole.size());
   CHECK(longest > 0);
 }
 
-TEST_CASE("sweep: it is the same on any number of threads, to the last bit") {
+TEST_CASE("sweep: any number of threads gives identical bits") {
   SweepOptions options = varied_options();
   options.directions = {SweepDirection::up, SweepDirection::down};
   const std::vector<SweepRow> one = varied(options);
@@ -257,13 +258,13 @@ TEST_CASE("sweep: it is the same on any number of threads, to the last bit") {
   }
 }
 
-TEST_CASE("sweep: where it is cancelled, the rows before are kept and are those of the whole") {
+TEST_CASE("sweep: if it is cancelled its completed rows are kept and agree with the whole") {
   const std::vector<SweepRow> whole = varied(varied_options());
   for (const int most : {1, 20, 300, 3000}) {
-    std::atomic<int> asked = 0;
+    std::atomic<int> cancel_checks = 0;
     SweepOptions options = varied_options();
     options.threads = 2;
-    options.cancelled = [&] { return ++asked > most; };
+    options.cancelled = [&] { return ++cancel_checks > most; };
     const std::vector<SweepRow> part = varied(options);
     INFO(most << ": " << part.size());
     REQUIRE(part.size() < whole.size());
@@ -273,7 +274,7 @@ TEST_CASE("sweep: where it is cancelled, the rows before are kept and are those 
   }
 }
 
-TEST_CASE("sweep: on a smooth branch each row is what the motion on the one before comes to") {
+TEST_CASE("sweep: on a smooth branch each row is the settled motion from the one before") {
   const auto [from, to, direction] = GENERATE(table<double, double, SweepDirection>(
       {{0.930, 0.936, SweepDirection::up}, {0.915, 0.921, SweepDirection::down}, {0.760, 0.766, SweepDirection::up}}));
   const std::vector<SweepRow> rows =
@@ -295,7 +296,7 @@ TEST_CASE("sweep: on a smooth branch each row is what the motion on the one befo
   }
 }
 
-TEST_CASE("sweep: oscillators that the lanes do not know are followed alone") {
+TEST_CASE("sweep: oscillators that the lanes do not support are followed alone") {
   const HybridSystem system = two_sided_oscillator(true);
   const Vector p = default_parameters(system.parameters);
   SweepOptions options = coarse_averages(fine_sweep(1.0, 1.01, SweepDirection::up));
@@ -307,7 +308,7 @@ TEST_CASE("sweep: oscillators that the lanes do not know are followed alone") {
   CHECK(same(sweep(system, p, Vector::Zero(static_cast<Eigen::Index>(system.states)), options), one));
 }
 
-TEST_CASE("orbits ahead are those of Newton's method, up to where the branch loses its stability") {
+TEST_CASE("predicted orbits agree with Newton's method up to the loss of stability") {
   // The PD is at eta = 0.919542643.
   constexpr double begin = 0.9230, step = -0.0002;
   const auto orbit_at = [](double eta) { return shoot(damped_hertz(), hertz_parameters(eta), Vector{{2.05, 1.4}}, 1); };
@@ -325,7 +326,7 @@ TEST_CASE("orbits ahead are those of Newton's method, up to where the branch los
     CHECK(found.isolated_impacts == 1);
     for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(found.multipliers.values[i] - orbit.multipliers.values[i]) < 1e-10);
     REQUIRE(ahead[k].impact_speeds.size() == 1);
-    CHECK(ahead[k].impact_speeds[0] == Approx(orbit.events[1].normal_speed).epsilon(1e-11));  // 0: it leaves
+    CHECK(ahead[k].impact_speeds[0] == Approx(orbit.events[1].normal_speed).epsilon(1e-11));  // event 0 leaves the contact
   }
   CHECK(predicted_orbits(damped_hertz(), {before.back()}, next).empty());
   FlowOptions general;
@@ -333,8 +334,8 @@ TEST_CASE("orbits ahead are those of Newton's method, up to where the branch los
   CHECK(predicted_orbits(damped_hertz(), before, next, general).empty());
 }
 
-TEST_CASE("orbits ahead begin where those before them do") {
-  // An orbit of period 2, given once from its first and once from its second state on.
+TEST_CASE("predicted orbits begin at the same state as those before them") {
+  // An orbit of period 2, given alternately from its first and from its second state.
   constexpr double begin = 0.915, step = 0.0001;
   std::vector<std::vector<Vector>> before;
   std::vector<Vector> next;
@@ -342,7 +343,7 @@ TEST_CASE("orbits ahead begin where those before them do") {
     const Attractor attractor = find_attractor(damped_hertz(), hertz_parameters(begin + k * step), Vector{{0.0, 0.0}});
     REQUIRE(attractor.period == 2);
     before.push_back(attractor.orbit->states);
-    // From the upper one on, every other time.
+    // Every other time it starts at the upper one.
     if ((before.back()[0][0] < before.back()[1][0]) == (k % 2 == 0)) std::swap(before.back()[0], before.back()[1]);
     next.push_back(hertz_parameters(begin + (k + 4) * step));
   }
@@ -354,7 +355,7 @@ TEST_CASE("orbits ahead begin where those before them do") {
   }
 }
 
-TEST_CASE("sweep: a guess of a doubled orbit that lies inside the barrier is none") {
+TEST_CASE("sweep: a guess of a doubled orbit inside the barrier is rejected") {
   // The 2/1 orbit has just doubled, and the motion is far from it.
   const HybridSystem system = make_oscillator("cantilever", "newton");
   const Vector p = parameters(system, {{"b", 0.026}, {"beta", 1.0285714}, {"xi", 0.08}, {"r", 0.079}, {"k_r", 1.0}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A branch of symmetric orbits and the loops of broken symmetry that begin and end on it: the cantilever's cubic oscillator,
-// driven hard and far from its barrier (xi = 20, r = 10). x(t + T/2) = -x(t) along the symmetric branch.
+// A branch of symmetric orbits, and the loops of broken symmetry that begin and end on it: the cantilever's cubic oscillator
+// with strong forcing, far from its barrier (xi = 20, r = 10). x(t + T/2) = -x(t) along the symmetric branch.
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -26,7 +26,7 @@ const HybridSystem& cantilever() {
 
 Vector driven_hard(double eta) { return parameters(cantilever(), {{"eta", eta}, {"xi", 20.0}, {"r", 10.0}, {"b", 0.05}}); }
 
-/// Half a period's motion from phase 0.
+/// The motion over half a period from phase 0.
 Transition half_period(const Vector& p, const Vector& x) {
   Propagator propagator(cantilever(), p);
   Transition half;
@@ -34,7 +34,7 @@ Transition half_period(const Vector& p, const Vector& x) {
   return half;
 }
 
-/// The same oscillator with x measured from elsewhere: its symmetry is not that of the sign, and nothing sees it.
+/// The same oscillator with a displaced origin of x: its symmetry is not a change of sign, so that it is not detected.
 HybridSystem displaced(double by) {
   enum : Eigen::Index { b, xi, eta };
   HybridSystem system;
@@ -70,10 +70,10 @@ HybridSystem displaced(double by) {
 
 }  // namespace
 
-TEST_CASE("a symmetric branch is not left for the broken one at a branch point that a step passes") {
+TEST_CASE("a symmetric branch does not switch to the broken one at a branch point inside a step") {
   const PeriodicOrbit orbit = shoot(cantilever(), driven_hard(3.0), Vector{{4.2459, 1.2658}}, 1);
   REQUIRE(orbit.converged());
-  // Steps as they are used, and longer ones: those of 0.1 and 0.2 passed a branch point and ended on a broken branch.
+  // The usual steps and longer ones: steps of 0.1 and 0.2 passed a branch point and ended on a broken branch.
   for (const double step : {0.05, 0.1, 0.2, 0.3}) {
     INFO("steps up to " << step);
     ContinuationOptions options;
@@ -88,8 +88,8 @@ TEST_CASE("a symmetric branch is not left for the broken one at a branch point t
       INFO("eta " << point.value);
       CHECK((half.x1 + point.state()).lpNorm<Eigen::Infinity>() < 1e-8);  // residual 1e-12, multipliers up to 10
     }
-    // Each loop begins and ends in a branch point. Half a period later the mirror image of the orbit is the orbit: symmetry is
-    // lost where -Phi(T/2) has the multiplier -1, which the library does not look at.
+    // Each loop begins and ends in a branch point. The mirror image of the orbit, half a period later, is the orbit. Symmetry
+    // is lost where -Phi(T/2) has the multiplier -1, which the library does not use.
     const auto points = points_of(branches[0], PointType::BP);
     CHECK(points.size() == 6);
     for (const SpecialPoint& point : points) {
@@ -102,9 +102,9 @@ TEST_CASE("a symmetric branch is not left for the broken one at a branch point t
   }
 }
 
-TEST_CASE("a branch that comes back to a point of its own is closed, wherever it began") {
-  // The broken branch is entered from the symmetric one, beside a branch point: it comes back to where it entered, and not to its
-  // first point.
+TEST_CASE("a branch that returns to one of its points is closed even if this is not its first point") {
+  // The broken branch is entered from the symmetric one, next to a branch point. It returns to the point of entry, and not to
+  // its first point.
   const HybridSystem system = displaced(1.0);
   const PeriodicOrbit orbit = shoot(system, parameters(system), Vector{{5.2459, 1.2658}}, 1);
   REQUIRE(orbit.converged());
@@ -126,7 +126,7 @@ TEST_CASE("a branch that comes back to a point of its own is closed, wherever it
                                 [&](const BranchPoint& point) { return same_states(point, last); });
   REQUIRE(met != branch.points.end() - 1);
   CHECK(met != branch.points.begin());
-  // Once round and no more: no other orbit is met twice.
+  // Exactly one turn: no other orbit occurs twice.
   int twice = 0;
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i)
     for (std::size_t j = i + 1; j + 1 < branch.points.size(); ++j)
@@ -134,7 +134,7 @@ TEST_CASE("a branch that comes back to a point of its own is closed, wherever it
   CHECK(twice == 0);
 }
 
-TEST_CASE("a branch has as many points as it may, in states and by its impacts") {
+TEST_CASE("a branch respects its largest number of points in states and in coordinates of the events") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const PeriodicOrbit struck = shoot(system, parameters(system), Vector{{1.0, 1.0}}, 1);
   const PeriodicOrbit free = shoot(cantilever(), driven_hard(3.0), Vector{{4.2459, 1.2658}}, 1);

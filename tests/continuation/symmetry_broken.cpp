@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The symmetry-broken orbits between two elastic stops (xi = 1, r = 1, k_S = 25), all within 1e-5 of eta, in the order of eta:
-//     0.344351669588   BP: the symmetric branch's pitchfork, in which the broken branch is born and turns
-//     0.344359338196   PD of the broken branch. A symmetric orbit cannot have a multiplier -1 (its monodromy matrix is the square
-//                      of that of half a period), a broken one can
-//     0.344360607273   GR: one of the four contacts is lost; the multiplier there is -2.212, it changes like the root of the
-//                      distance, which is why all three lie so close together
-// Checked with the closed-form motion of two_sided_motion.hpp.
+// The symmetry-broken orbits between two elastic stops (xi = 1, r = 1, k_S = 25). All points lie within 1e-5 of eta, in the
+// order of eta:
+// 0.344351669588   BP: pitchfork of the symmetric branch, in which the broken branch is born and turns
+// 0.344359338196   PD of the broken branch. A symmetric orbit cannot have a multiplier -1 (its monodromy matrix is the square
+// of that of half a period), a broken one can
+// 0.344360607273   GR: one of the four contacts is lost. The multiplier there is -2.212. It changes like the root of the
+// distance, and therefore all three are so close together
+// The reference is the closed-form motion of two_sided_motion.hpp.
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/orbit/mirror.hpp>
@@ -55,7 +56,7 @@ TwoSidedMotion motion_at(double eta) {
 }  // namespace
 
 TEST_CASE(
-    "the period doubling of symmetry-broken orbits between elastic stops is real: its multiplier by an independent motion") {
+    "an independent motion confirms the multipliers at the period doubling of symmetry-broken orbits between elastic stops") {
   const std::vector<Branch> branches =
       followed(0.36, Vector{{0.8627518937, -0.0429097726}}, {.to = 0.344359, .switch_generations = 0});
   CHECK(check_branch(stops(), branches[0]) == std::vector<std::string>{});
@@ -67,18 +68,18 @@ TEST_CASE(
     const std::complex<double> sum = point.multipliers.values[0] + point.multipliers.values[1];
     INFO("eta " << point.value << " multipliers " << point.multipliers.values[0] << point.multipliers.values[1]);
     CHECK(std::hypot(static_cast<double>(end[0] - z[0]), static_cast<double>(end[1] - z[1])) < 1e-11);
-    // The derivative's modulus of continuity at a contact of speed v is 1e-8 / v; v is 1e-4 at worst here.
+    // The derivative's modulus of continuity at a contact of speed v is 1e-8 / v; v is at least 1e-4 here.
     CHECK(std::abs(static_cast<double>(M.trace()) - sum.real()) < 1e-4);
     CHECK(std::abs(std::log(static_cast<double>(M.det())) + 0.1 * static_cast<double>(motion.period())) < 1e-6);
   }
   const auto doublings = points_of(branches[0], PointType::PD);
   REQUIRE(doublings.size() == 1);
   CHECK(doublings[0].status == PointStatus::converged);
-  CHECK(std::abs(doublings[0].value - doubling) < 1e-12);  // stated to twelve digits
+  CHECK(std::abs(doublings[0].value - doubling) < 1e-12);  // known to twelve digits
   CHECK(asymmetry(doublings[0].orbit) > 1e-4);
   CHECK(types_of(branches[0]) == "GR PD");
   CHECK(std::abs(points_of(branches[0], PointType::GR)[0].value - grazing) < 1e-12);
-  // 1 + trace + det passes zero there: slope -5e5 per unit of eta, measured 6e-8 at the point.
+  // 1 + trace + det passes zero there, with slope -5e5 per unit of eta; 6e-8 was measured at the point.
   const Vector& state = doublings[0].orbit.state;
   double sides[2];
   for (const int side : {0, 1}) {
@@ -93,8 +94,8 @@ TEST_CASE(
   CHECK(std::abs(1e-9 * (sides[0] + sides[1]) / (sides[0] - sides[1])) < 2e-12);  // an interpolation over 2e-9, curvature 1e-3
 }
 
-TEST_CASE("the doubled branch is found where the parameter follows fast with the distance from its parent") {
-  // In a range of 2.5e-4 pushes above 1e-6 all led the corrector elsewhere.
+TEST_CASE("the doubled branch is found even if the parameter changes fast with the distance from its parent") {
+  // In a range of 2.5e-4 all pushes above 1e-6 led the corrector to other orbits.
   const std::vector<Branch> before =
       followed(0.36, Vector{{0.8627518937, -0.0429097726}}, {.to = 0.3445, .switch_generations = 0});
   const std::vector<Branch> branches = followed(0.3445, before[0].points.back().state(), {.to = 0.344359, .from = 0.3446});
@@ -109,7 +110,7 @@ TEST_CASE("the doubled branch is found where the parameter follows fast with the
     CHECK(point.value > doubling);  // where its parent is unstable
     const TwoSidedMotion motion = motion_at(point.value);
     const TwoSidedMotion::State z{point.state()[0], point.state()[1]}, once = motion.map(z), twice = motion.map(z, 2);
-    // Closes after two periods; the least stable multiplier, -79, amplifies the rounding of the state.
+    // It closes after two periods; the least stable multiplier, -79, amplifies the rounding of the state.
     CHECK(std::hypot(static_cast<double>(twice[0] - z[0]), static_cast<double>(twice[1] - z[1])) < 1e-11);
     apart += std::abs(once[0] - z[0]) > 1e-5L ? 1 : 0;
   }
@@ -117,8 +118,9 @@ TEST_CASE("the doubled branch is found where the parameter follows fast with the
 }
 
 TEST_CASE("a pitchfork on the branch that turns in it is a branch point and no fold") {
-  // The branch's end is round in the arclength's norm, with a radius of 1e-4, if the range is as wide as this. Smaller steps pass
-  // it and go back along the mirror image; larger ones may land on the symmetric branch, which goes on where the tip points.
+  // The end of the branch is round in the norm of the arclength, with a radius of 1e-4 for a range of this width. Smaller
+  // steps pass it and return along the mirror image. Larger ones may land on the symmetric branch, which continues in the
+  // direction of the tip.
   ContinuationOptions options;
   options.to = 0.33;
   options.switch_generations = 0;
@@ -137,9 +139,9 @@ TEST_CASE("a pitchfork on the branch that turns in it is a branch point and no f
   CHECK(check_branch(stops(), branches[0]) == std::vector<std::string>{});
 }
 
-TEST_CASE("a special point is reported on its own branch where another branch lies closer than a step") {
-  // The symmetric branch, from both sides of the pitchfork, with steps a hundred times as long as what lies beside it: it was
-  // left for the broken branch, and a BP reported in between.
+TEST_CASE("a special point is reported on its own branch even if another branch is closer than a step") {
+  // The symmetric branch, from both sides of the pitchfork, with steps a hundred times longer than the structures beside it.
+  // The tracer once switched to the broken branch and reported a BP in between.
   for (const double start : {0.36, 0.33}) {
     const Vector p = parameters(stops(), {{"eta", start}});
     const Vector guess = start == 0.36 ? Vector{{0.7395270387, -0.0073492821}} : settle(stops(), p, Vector::Zero(2)).state;
@@ -159,7 +161,7 @@ TEST_CASE("a special point is reported on its own branch where another branch li
   }
 }
 
-TEST_CASE("where symmetry breaks the branch of broken symmetry is followed, and its mirror image is counted once") {
+TEST_CASE("the branch of broken symmetry is followed and its mirror image is counted once") {
   const Vector p = parameters(stops(), {{"eta", 0.33}});
   const PeriodicOrbit orbit = shoot(stops(), p, settle(stops(), p, Vector::Zero(2)).state, 1);
   REQUIRE(orbit.converged());
@@ -173,14 +175,14 @@ TEST_CASE("where symmetry breaks the branch of broken symmetry is followed, and 
   CHECK(broken[0]->mirrored);
   CHECK(!branches[0].mirrored);
   CHECK(check_branch(stops(), *broken[0]) == std::vector<std::string>{});
-  // What was met from afar above is met on it, 8e-6 and 9e-6 from where it is born.
+  // The points that were found on the way from above are found on it, 8e-6 and 9e-6 from its birth.
   REQUIRE(points_of(*broken[0], PointType::PD).size() == 1);
   CHECK(std::abs(points_of(*broken[0], PointType::PD)[0].value - doubling) < 1e-12);
   CHECK(std::abs(points_of(*broken[0], PointType::GR)[0].value - grazing) < 1e-12);
   CHECK(asymmetry(points_of(*broken[0], PointType::PD)[0].orbit) > 1e-4);
 }
 
-TEST_CASE("of two rigid stops both halves of the pitchfork are attractors, and one is listed") {
+TEST_CASE("with two rigid stops both halves of the pitchfork are attractors and one is listed") {
   const HybridSystem system = two_sided_oscillator(true);
   ContinuationOptions options;
   options.to = 0.3;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every entry of test_functions() owes, on maps whose bifurcations are known in closed form (map_system.hpp): its value
-// changes sign at its own bifurcation, exactly there, confirm() says yes there and no at the others', locate() finds the point to
-// the precision it states. A new test function fails the first test until a family with its bifurcation is added to families().
+// Requirements on every entry of test_functions(), for maps whose bifurcations have closed forms (map_system.hpp). Its value
+// changes sign exactly at its own bifurcation. confirm() accepts this point and rejects those of the others. locate() finds
+// the point to the stated precision. A new test function fails the first test until a family with its bifurcation is added to
+// families().
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/continuation/problems/orbit_problem.hpp>
@@ -20,7 +21,7 @@ using namespace graze::support;
 
 namespace {
 
-/// A curve of fixed points lambda(s), x(s) of a map with one bifurcation on it, at s = 0, and others' sign changes.
+/// A curve of fixed points lambda(s), x(s) of a map with one bifurcation, at s = 0, and sign changes of other test functions.
 struct Family {
   const char* name;
   HybridSystem system;
@@ -28,8 +29,8 @@ struct Family {
   double value;    ///< of lambda at the bifurcation
   std::function<double(double s)> lambda;
   std::function<Vector(double s)> x;
-  Vector direction;         ///< (dx/ds, dlambda/ds), roughly: which way the curve is run through
-  double smallest = 1e-12;  ///< s at which all signs are still sure
+  Vector direction;         ///< (dx/ds, dlambda/ds), approximately: the direction along the curve
+  double smallest = 1e-12;  ///< smallest s at which all signs are still certain
 };
 
 HybridSystem diagonal(std::size_t states, std::function<Vector(double)> values, std::function<Vector(double)> slope) {
@@ -52,7 +53,7 @@ std::vector<Family> families() {
   list.push_back({"transcritical, x = lambda", transcritical_map(), PointType::BP, 0.0, plus(0.0),
                   [](double s) { return Vector{{s}}; }, Vector{{1.0, 1.0}}});
   list.push_back({"pitchfork, x = 0", pitchfork_map(), PointType::BP, 0.0, plus(0.0), zero(1), Vector{{0.0, 1.0}}});
-  // The branch that turns: lambda's component of the tangent passes zero as at a fold. Its multiplier is 1 - 2 s^2.
+  // The branch that turns: the lambda component of the tangent passes zero as at a fold. Its multiplier is 1 - 2 s^2.
   list.push_back({"pitchfork, x^2 = lambda", pitchfork_map(), PointType::BP, 0.0, [](double s) { return s * s; },
                   [](double s) { return Vector{{s}}; }, Vector{{1.0, 0.0}}, 1e-6});
   list.push_back({"delayed logistic", delayed_logistic_map(), PointType::NS, 2.0, plus(2.0),
@@ -68,7 +69,7 @@ std::vector<Family> families() {
                         return Vector{{1.0, 0.0}};
                       }),
                   PointType::MX, 0.0, plus(0.0), zero(2), Vector{{0.0, 0.0, 1.0}}});
-  // A doubling with three bystanders: beyond -1, beyond +1 and small.
+  // A doubling with three further multipliers: beyond -1, beyond +1 and small.
   list.push_back({"flip in four dimensions",
                   diagonal(
                       4,
@@ -82,7 +83,7 @@ std::vector<Family> families() {
   return list;
 }
 
-/// The family's point at s as the test functions see it.
+/// The point of the family at s, as input of the test functions.
 struct At {
   CurvePoint curve;
   BranchPoint branch;
@@ -113,7 +114,7 @@ bool changes_sign(const TestFunction& test, const At& a, const At& b) {
 
 }  // namespace
 
-TEST_CASE("every test function has a type, a summary of its own, and a family of maps to be tested on") {
+TEST_CASE("every test function has a type, its own summary, and a family of maps to be tested on") {
   std::set<PointType> types, covered;
   std::set<std::string> summaries;
   for (const Family& family : families()) covered.insert(family.type);
@@ -132,21 +133,21 @@ TEST_CASE("every test function has a type, a summary of its own, and a family of
   }
 }
 
-TEST_CASE("every test function's value changes sign exactly at its bifurcation, and is confirmed there and nowhere else") {
+TEST_CASE("the value of every test function changes sign exactly at its bifurcation and is confirmed only there") {
   for (const Family& family : families()) {
     OrbitProblem problem = problem_of(family);
     for (const TestFunction& test : test_functions()) {
       INFO(family.name << ": " << point_type_name(test.type));
       const bool own = test.type == family.type;
-      // Steps over the point of every size, and beside it on either side. The multipliers are good to 1e-15 or so, and pass the
-      // unit circle at a rate of 0.3 or more per unit of s: at 1e-12 the sign is sure.
+      // Steps of every size over the point, and next to it on either side. The error of the multipliers is about 1e-15, and
+      // they pass the unit circle at a rate of at least 0.3 per unit of s: at 1e-12 the sign is certain.
       for (const double size : {0.2, 1e-2, 1e-4, 1e-8, 1e-12}) {
         if (size < family.smallest) continue;
         INFO("steps of " << size);
         const At before = at(problem, family, -size), after = at(problem, family, 0.7 * size);
         if (own) CHECK(changes_sign(test, before, after));
         CHECK((changes_sign(test, before, after) && test.confirm(before.point(), after.point())) == own);
-        CHECK((changes_sign(test, after, before) && test.confirm(after.point(), before.point())) == own);  // either way
+        CHECK((changes_sign(test, after, before) && test.confirm(after.point(), before.point())) == own);  // both ways
         const At far = at(problem, family, -2.0 * size), on = at(problem, family, 1.3 * size);
         CHECK_FALSE((changes_sign(test, far, before) && test.confirm(far.point(), before.point())));
         CHECK_FALSE((changes_sign(test, after, on) && test.confirm(after.point(), on.point())));
@@ -155,7 +156,7 @@ TEST_CASE("every test function's value changes sign exactly at its bifurcation, 
   }
 }
 
-TEST_CASE("neither a neutral saddle nor a pair that becomes real is taken for Neimark-Sacker") {
+TEST_CASE("a neutral saddle or a pair that becomes real is not taken for Neimark-Sacker") {
   using Values = std::vector<std::complex<double>>;
   const TestFunction test = neimark_sacker_test();
   const auto confirms = [&test](const Values& before, const Values& after) {
@@ -170,11 +171,11 @@ TEST_CASE("neither a neutral saddle nor a pair that becomes real is taken for Ne
   CHECK(confirms(pair(inside, 0.2, 0.1), pair(outside, 0.2, 0.1)));
   CHECK(confirms(pair(outside, 3.0, 0.1), pair(inside, 3.0, 0.1)));
   CHECK_FALSE(confirms({34.3, 5.6, 0.178, 0.0004}, {34.3, 5.6, 0.179, 0.0004}));
-  CHECK_FALSE(confirms(pair(far, 0.49, 0.1), {2.05, 1.96, 0.51, 0.1}));  // the product of two passes one beside it
-  CHECK_FALSE(confirms({2.05, 1.96, 0.99, 0.1}, pair(far, 1.01, 0.1)));  // beside a fold
+  CHECK_FALSE(confirms(pair(far, 0.49, 0.1), {2.05, 1.96, 0.51, 0.1}));  // the product of two passes one nearby
+  CHECK_FALSE(confirms({2.05, 1.96, 0.99, 0.1}, pair(far, 1.01, 0.1)));  // near a fold
 }
 
-TEST_CASE("every test function locates its point to the precision it states") {
+TEST_CASE("every test function locates its point to the stated precision") {
   for (const Family& family : families()) {
     for (const TestFunction& test : test_functions()) {
       if (test.type != family.type) continue;
@@ -188,7 +189,7 @@ TEST_CASE("every test function locates its point to the precision it states") {
         CHECK(located.precision > 0.0);
         CHECK(located.precision < 1e-11);
         CHECK(error <= located.precision);
-        // In the state a fold or a pitchfork is found to the root of what is found in the parameter at worst.
+        // The state at a fold or a pitchfork has at worst the root of the error of the parameter.
         CHECK((located.u.head(located.u.size() - 1) - family.x(0.0)).norm() < 1e-7);
         SpecialPoint point;
         if (test.describe) test.describe(problem, located, point);
@@ -202,7 +203,7 @@ TEST_CASE("every test function locates its point to the precision it states") {
   }
 }
 
-TEST_CASE("a branch through each of these bifurcations reports it, once, under its own name") {
+TEST_CASE("a branch through each of these bifurcations reports it once under its own name") {
   for (const Family& family : families()) {
     INFO(family.name);
     const Vector p = parameters(family.system, {{"lambda", family.lambda(-0.1)}});
@@ -210,7 +211,7 @@ TEST_CASE("a branch through each of these bifurcations reports it, once, under i
     REQUIRE(orbit.converged());
     ContinuationOptions options;
     options.parameter = "lambda";
-    // A branch that turns comes back to where it started.
+    // A branch that turns returns to its start.
     const bool turns = std::abs(family.lambda(0.1) - family.lambda(-0.1)) < 1e-12;
     options.to = turns ? family.value - 0.01 : family.lambda(0.1);
     options.from = family.lambda(-0.1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How motions on their way to a known orbit are told before they have reached its trapping region, and the sets of cells behind
-// it.
+// The classifier recognises motions that approach a known orbit before they reach its trapping region. Also tested: the set of
+// visited cells behind it.
 #include <graze/floquet/basins/attractor_classifier.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -15,7 +15,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("a motion on its way to a known orbit is told by coming closer to it") {
+TEST_CASE("a motion that approaches a known orbit is recognised by its decreasing distance") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   Vector p = default_parameters(system.parameters);
   p[oscillator_parameter::eta] = 0.95;
@@ -33,7 +33,7 @@ TEST_CASE("a motion on its way to a known orbit is told by coming closer to it")
   CHECK(nearing->attractor == 0);
   CHECK(nearing->distance == Approx(2e-3));
   CHECK(nearing->periods == std::ceil(std::log(0.5) / std::log(slowest)));  // closed form: |mu|^n <= 1/2
-  // It has come closer after that time, and had not before, nor where it has gone away.
+  // The distance has decreased after that time. It has not at the start, nor after a step away.
   Propagator propagator(system, p);
   Transition transition;
   Vector x = start;
@@ -44,18 +44,19 @@ TEST_CASE("a motion on its way to a known orbit is told by coming closer to it")
   CHECK(attractors.has_come_closer(*nearing, x));
   CHECK_FALSE(attractors.has_come_closer(*nearing, start));
   CHECK_FALSE(attractors.has_come_closer(*nearing, Vector(orbit.state + 2.0 * (start - orbit.state))));
-  // On the orbit there is nothing to come closer to.
+  // On the orbit the distance cannot decrease further.
   const auto there = attractors.nearing(Vector(orbit.state + vector({1e-12, 0.0})), 1);
   REQUIRE(there);
   CHECK(attractors.has_come_closer(*there, orbit.state));
-  // A return after three periods may be to an orbit of period 1; far away, or to an orbit without a rate, none is.
+  // A return after three periods may belong to an orbit of period 1. A distant state has no orbit nearby, and an orbit without
+  // a rate never counts.
   CHECK(attractors.nearing(start, 3));
   CHECK_FALSE(attractors.nearing(Vector(orbit.state + vector({1.0, 0.0})), 1));
   known.orbit.rate = 1.0;
   AttractorClassifier without_rate;
   without_rate.add(known);
   CHECK_FALSE(without_rate.nearing(start, 1));
-  // An orbit of period 2 is not what a motion comes to that returns after one.
+  // A motion that returns after one period does not approach an orbit of period 2.
   KnownAttractor twice = known;
   twice.orbit.rate = 0.5;
   twice.orbit.centres.push_back(twice.orbit.centres.front());
@@ -65,12 +66,12 @@ TEST_CASE("a motion on its way to a known orbit is told by coming closer to it")
   CHECK(of_period_2.nearing(start, 2));
 }
 
-TEST_CASE("a set of cells holds what was put into it") {
+TEST_CASE("a set of cells contains exactly the inserted cells") {
   std::mt19937_64 random(3);
   CellSet cells;
   std::unordered_set<std::uint64_t> expected;
   for (int i = 0; i < 20000; ++i) {
-    // Neighbours, as cells are, and numbers far apart; many twice.
+    // Neighbouring numbers, as for cells, and numbers far apart; many are inserted twice.
     const std::uint64_t number = 1 + (i % 3 == 0 ? random() % 4000 : (random() % 50) * 1009 + 1017000);
     CHECK(cells.insert(number) == expected.insert(number).second);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Attractors of many points side by side against those of each point alone.
+// Attractors of many points side by side, against those of each point alone.
 #include "support/checks.hpp"
 
 #include <graze/floquet/attractor/attractor_decision.hpp>
@@ -39,7 +39,7 @@ std::vector<AverageStart> cantilevers(const HybridSystem& system) {
 
 }  // namespace
 
-TEST_CASE("attractors side by side are those of the motions alone") {
+TEST_CASE("attractors side by side agree with those of single motions") {
   const auto [model, law] =
       GENERATE(table<const char*, const char*>({{"linear", "newton"}, {"linear", "hertz"}, {"cantilever", "newton"}}));
   const HybridSystem system = make_oscillator(model, law);
@@ -67,7 +67,7 @@ TEST_CASE("attractors side by side are those of the motions alone") {
   CHECK(chaotic > 1);
 }
 
-TEST_CASE("attractors that the lanes do not know are found one by one") {
+TEST_CASE("attractors of systems that the lanes do not support are found one by one") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"b", 1.1}, {"r", 0.4}, {"eta", 0.6}});  // overdamped
   const std::vector<Attractor> each = find_each_attractor(system, {{p, vector({0.0, 0.0})}}, quick());
@@ -77,7 +77,7 @@ TEST_CASE("attractors that the lanes do not know are found one by one") {
   CHECK(each[0].state == alone.state);
 }
 
-TEST_CASE("attractors side by side can be cancelled, and refuse a start inside the barrier") {
+TEST_CASE("attractors side by side can be cancelled and refuse a start inside the barrier") {
   const HybridSystem system = make_oscillator("linear", "newton");
   AttractorOptions options = quick();
   options.lyapunov.cancelled = [] { return true; };
@@ -91,7 +91,7 @@ TEST_CASE("attractors side by side can be cancelled, and refuse a start inside t
   CHECK(find_each_attractor(system, {}, quick()).empty());
 }
 
-TEST_CASE("an attractor does not depend on those beside it, be its average over one motion or over several") {
+TEST_CASE("an attractor does not depend on the others for averages over one motion or several") {
   const char* law = GENERATE("newton", "hertz");
   const int motions = GENERATE(1, 16);
   const HybridSystem system = make_oscillator("linear", law);
@@ -121,7 +121,7 @@ TEST_CASE("an attractor does not depend on those beside it, be its average over 
   CHECK(periodic > 1);
 }
 
-TEST_CASE("chaos that a short average found has to be confirmed, where nothing else is said any") {
+TEST_CASE("chaos found by a short average needs confirmation unless another limit ended it") {
   AttractorOptions options = quick();
   Attractor attractor;
   attractor.type = AttractorType::chaotic;
@@ -139,25 +139,25 @@ TEST_CASE("chaos that a short average found has to be confirmed, where nothing e
   CHECK_FALSE(after(200));
 }
 
-TEST_CASE("a motion that settles while it is averaged is found out before the average has ended") {
+TEST_CASE("a motion that settles during its average is recognised before the average ends") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   AttractorOptions options = quick();
   options.transient = 0;
   options.lyapunov.standard_error = 0.0;
   options.lyapunov.max_periods = 200000;
-  int asked = 0;  // once in 32 periods of an average
-  options.lyapunov.cancelled = [&asked] {
-    ++asked;
+  int cancel_checks = 0;  // once in 32 periods of an average
+  options.lyapunov.cancelled = [&cancel_checks] {
+    ++cancel_checks;
     return false;
   };
   const AverageStart start{parameters(system, {{"eta", 0.93}, {"r", 2.0}, {"b_H", 0.1}}), vector({0.0, 0.0})};
   const Attractor attractor = find_each_attractor(system, {start}, options).front();
   CHECK(attractor.type == AttractorType::periodic);
   CHECK(attractor.impacts == 1);
-  CHECK(asked < 200);
+  CHECK(cancel_checks < 200);
 }
 
-TEST_CASE("a transient has a length that is no less than zero") {
+TEST_CASE("the length of a transient must not be negative") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.9}, {"r", 2.0}});
   AttractorOptions options;

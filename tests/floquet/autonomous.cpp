@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Autonomous motions from return to return: the return map against differences, exponents against multipliers, against van der
-// Pol's cycle by a Runge-Kutta method of the test's own, and against published ones of Roessler's attractor.
+// Autonomous motions from return to return. The return map is compared with differences, exponents with multipliers, van der
+// Pol's cycle with a separate Runge-Kutta method, and Roessler's attractor with published exponents.
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/basins/basins.hpp>
 #include <graze/floquet/follow/sweep.hpp>
@@ -67,7 +67,7 @@ Cycle runge_kutta_cycle(double mu) {
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-/// Of a system of two states at its default values, after short transients.
+/// Sweep up and down of a system of two states at its default parameters, with short transients.
 std::vector<SweepRow> up_and_down(const HybridSystem& system, SweepOptions options, int first_transient) {
   options.directions = {SweepDirection::up, SweepDirection::down};
   options.first_transient = first_transient;
@@ -78,7 +78,7 @@ std::vector<SweepRow> up_and_down(const HybridSystem& system, SweepOptions optio
 
 }  // namespace
 
-TEST_CASE("the map from return to return is the derivative of its differences") {
+TEST_CASE("the derivative of the return map agrees with differences") {
   struct Case {
     HybridSystem system;
     Vector start;
@@ -112,7 +112,7 @@ TEST_CASE("the map from return to return is the derivative of its differences") 
   }
 }
 
-TEST_CASE("a motion on a return begins behind it") {
+TEST_CASE("a motion that starts on a return begins after it") {
   const HybridSystem system = van_der_pol();
   Propagator propagator(system, default_parameters(system.parameters));
   const std::vector<Vector> states = stroboscopic_states(propagator, vector({0.3, 0.7}), 30);
@@ -127,7 +127,7 @@ TEST_CASE("a motion on a return begins behind it") {
   }
 }
 
-TEST_CASE("the exponents of van der Pol's cycle are those of a Runge-Kutta method") {
+TEST_CASE("the exponents of van der Pol's cycle agree with a Runge-Kutta method") {
   for (const double mu : {0.3, 1.0, 3.0}) {
     INFO("mu = " << mu);
     const HybridSystem system = van_der_pol();
@@ -149,7 +149,7 @@ TEST_CASE("the exponents of van der Pol's cycle are those of a Runge-Kutta metho
   }
 }
 
-TEST_CASE("the exponents of a cycle that strikes a stop are those of its multipliers") {
+TEST_CASE("the exponents of a cycle with impacts agree with its multipliers") {
   const HybridSystem system = van_der_pol_stop();
   const Vector p = default_parameters(system.parameters);
   const Attractor attractor = find_attractor(system, p, vector({0.5, 0.0}), {.transient = 200});
@@ -160,13 +160,13 @@ TEST_CASE("the exponents of a cycle that strikes a stop are those of its multipl
   REQUIRE(orbit.converged());
   CHECK(attractor.duration == Approx(orbit.duration).epsilon(1e-11));
   CHECK(attractor.exponents[1] == Approx(std::log(std::abs(orbit.multipliers.values.front())) / orbit.duration).epsilon(1e-9));
-  CHECK(std::abs(attractor.state[0] - p[1]) < 1e-12);  // seen at the stop
+  CHECK(std::abs(attractor.state[0] - p[1]) < 1e-12);  // the section is the stop
   const LyapunovSpectrum& mean = attractor.time_average;
   CHECK(mean.liouville_residual < 1e-10);
   CHECK(std::abs(mean.exponents[1] - attractor.exponents[1]) < 5.0 * mean.standard_errors[1] + 1e-12);
 }
 
-TEST_CASE("Roessler's attractor has its published exponents, one of them zero") {
+TEST_CASE("Roessler's attractor has its published exponents and one of them is zero") {
   const HybridSystem system = roessler();
   const Vector p = default_parameters(system.parameters);
   AttractorOptions options;
@@ -184,7 +184,7 @@ TEST_CASE("Roessler's attractor has its published exponents, one of them zero") 
   CHECK(attractor.time_average.liouville_residual < 1e-9);
 }
 
-TEST_CASE("standard errors over returns of different length are those of independent runs") {
+TEST_CASE("standard errors over returns of different length agree with the scatter of independent runs") {
   const HybridSystem system = roessler();
   const Vector p = default_parameters(system.parameters);
   LyapunovOptions options;
@@ -204,12 +204,12 @@ TEST_CASE("standard errors over returns of different length are those of indepen
   const double mean = sum(values) / runs;
   double spread = 0.0;
   for (const double value : values) spread += (value - mean) * (value - mean) / (runs - 1);
-  // The spread of twelve is known to a fifth; three times that is allowed.
+  // The spread of twelve runs has a relative error of a fifth; the test allows three times that.
   CHECK(std::sqrt(spread) == Approx(errors).epsilon(0.65));
 }
 
-TEST_CASE("a sweep of an autonomous system counts returns, on one thread or two") {
-  // Period doublings of Roessler's cycle at a = b = 0.1: once round at c = 4, twice at 6, four times at 8.5; chaos at 9.
+TEST_CASE("a sweep of an autonomous system counts returns on one thread or two") {
+  // Period doublings of Roessler's cycle at a = b = 0.1: period 1 at c = 4, period 2 at 6, period 4 at 8.5; chaos at 9.
   const HybridSystem system = roessler();
   const Vector p = parameters(system, {{"a", 0.1}, {"b", 0.1}});
   SweepOptions options;
@@ -255,7 +255,7 @@ TEST_CASE("the stop of an autonomous system may move from value to value") {
   for (std::size_t k = 0; k < 5; ++k) CHECK(rows[k].attractor.duration == Approx(rows[9 - k].attractor.duration).epsilon(1e-10));
 }
 
-TEST_CASE("starts of an autonomous system are told apart by their returns") {
+TEST_CASE("starts of an autonomous system are distinguished by their returns") {
   const HybridSystem system = van_der_pol();
   Matrix starts(2, 9);
   for (int i = 0; i < 9; ++i) starts.col(i) = vector({-2.0 + 0.5 * i, 0.25});
@@ -267,7 +267,7 @@ TEST_CASE("starts of an autonomous system are told apart by their returns") {
   CHECK(basins.attractors.front().attractor.period == 1);
 }
 
-TEST_CASE("a motion that does not return says so") {
+TEST_CASE("a motion that does not return is reported") {
   const HybridSystem system = van_der_pol();
   const Vector p = parameters(system, {{"mu", -3.0}});  // the origin is a stable node
   const Attractor attractor = find_attractor(system, p, vector({0.1, 0.0}), {.transient = 100});
@@ -275,7 +275,7 @@ TEST_CASE("a motion that does not return says so") {
   CHECK(attractor.state.norm() < 1e-6);
 }
 
-TEST_CASE("a sweep goes on behind values at which the motion comes to rest") {
+TEST_CASE("a sweep continues after values at which the motion comes to rest") {
   const HybridSystem system = van_der_pol();
   const std::vector<SweepRow> rows = up_and_down(system, {.parameter = "mu", .from = -3.0, .to = 3.0, .step = 2.0}, 100);
   REQUIRE(rows.size() == 8);

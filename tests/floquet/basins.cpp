@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coexisting attractors: the published pairs, the short-cuts against plain simulation, independence of threads and interruptions.
+// Coexisting attractors: the published pairs, the shortcuts against plain simulation, independence of threads and
+// interruptions.
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/basins/basins.hpp>
 #include <graze/floquet/basins/contact_table_probe.hpp>
@@ -21,7 +22,7 @@ namespace {
 struct Wanted {
   AttractorType type;
   int impacts, period;
-  Vector start;  ///< a single start that is known to lead there
+  Vector start;  ///< a start that is known to lead there
 };
 
 struct Published {
@@ -32,8 +33,8 @@ struct Published {
 
 const auto periodic = AttractorType::periodic, chaotic = AttractorType::chaotic;
 
-/// Coexisting attractors of the source, at their initial states where it gives them. At 0.696 it counts the contact of the
-/// period-2 orbit once where there are two; at 0.711 it calls "impactless" what has weak impacts.
+/// Coexisting attractors of the source, with their initial states if it gives them. At 0.696 the source counts one contact of
+/// the period-2 orbit where there are two. At 0.711 its "impactless" orbit has weak impacts.
 const std::vector<Published>& published() {
   static const std::vector<Published> list = {
       {"hertz", 0.696, {{periodic, 0, 1, vector({0.591, -1.273})}, {periodic, 2, 2, vector({1.153, -1.332})}}},
@@ -56,7 +57,7 @@ Case of(const Published& item) {
   return out;
 }
 
-/// A column each.
+/// One start per column.
 Matrix grid(int n) {
   Matrix starts(2, n * n);
   for (int j = 0; j < n; ++j)
@@ -70,7 +71,7 @@ double distance(const CoexistingAttractor& found, const Vector& x) {
   return least;
 }
 
-/// All of it, to the last bit.
+/// Compares all results to the last bit.
 void check_equal(const Basins& a, const Basins& b) {
   CHECK(a.outcomes == b.outcomes);
   CHECK(a.periods == b.periods);
@@ -88,7 +89,7 @@ void check_equal(const Basins& a, const Basins& b) {
 
 }  // namespace
 
-TEST_CASE("published coexisting attractors are met from a grid, each with the exponents of a single start") {
+TEST_CASE("a grid finds the published coexisting attractors with the exponents of single starts") {
   for (const Published& item : published()) {
     INFO(item.law << " " << item.eta);
     const Case c = of(item);
@@ -119,7 +120,7 @@ TEST_CASE("published coexisting attractors are met from a grid, each with the ex
       const Attractor& found = same->attractor;
       REQUIRE(found.exponents.size() == 2);
       if (wanted.type == periodic) {
-        CHECK(distance(*same, single.state) < 1e-9);  // Newton's accuracy through the multiplier nearest 1
+        CHECK(distance(*same, single.state) < 1e-9);  // Newton's accuracy, limited by the multiplier nearest 1
         for (std::size_t i = 0; i < 2; ++i) CHECK(found.exponents[i] == Approx(single.exponents[i]).epsilon(1e-8));
       } else {
         for (std::size_t i = 0; i < 2; ++i)
@@ -131,13 +132,13 @@ TEST_CASE("published coexisting attractors are met from a grid, each with the ex
   }
 }
 
-TEST_CASE("the short-cuts of basins reach what plain simulation reaches") {
+TEST_CASE("the shortcuts of basins lead to the attractors of plain simulation") {
   for (const Published& item : published()) {
     INFO(item.law << " " << item.eta);
     const Case c = of(item);
     const Matrix starts = grid(14);
     const Basins basins = find_attractors(c.system, c.p, starts, {.threads = 2});
-    // The slowest orbit, 0.746 2/2, halves a distance in 18 periods: after 3000 nothing is left of the start.
+    // The slowest orbit, 0.746 2/2, halves a distance in 18 periods: after 3000 the start is forgotten.
     for (std::size_t k = 0; k < basins.outcomes.size(); k += 9) {
       const Vector start = starts.col(static_cast<Eigen::Index>(k));
       INFO("start " << start.transpose());
@@ -152,12 +153,12 @@ TEST_CASE("the short-cuts of basins reach what plain simulation reaches") {
           if (other.attractor.type == periodic) CHECK(distance(other, plain.state) > 1e-6);
       }
     }
-    // And it is a short-cut: on an orbit few periods instead of the transient.
+    // The shortcut is effective: on an orbit a few periods replace the transient.
     CHECK(basins.periods < 600 * starts.cols());
   }
 }
 
-TEST_CASE("motions in lanes, looked at near known orbits alone, are recognised in the same period as others, looked at in each") {
+TEST_CASE("motions in lanes with few reports are recognised in the same period as with a report each period") {
   for (const std::size_t i : {2, 3}) {
     const Case c = of(published()[i]);
     const Matrix starts = grid(14);
@@ -176,7 +177,7 @@ TEST_CASE("basins do not depend on the number of threads") {
   }
 }
 
-TEST_CASE("interrupted basins keep what is there, and go on from it to the same end") {
+TEST_CASE("interrupted basins keep their results and continue to the same end") {
   for (const std::size_t i : {std::size_t{1}, std::size_t{3}}) {
     const Case c = of(published()[i]);
     const Matrix starts = grid(16);
@@ -184,23 +185,23 @@ TEST_CASE("interrupted basins keep what is there, and go on from it to the same 
     options.periods = 5000;
     const Basins whole = find_attractors(c.system, c.p, starts, options);
     REQUIRE(whole.complete);
-    std::atomic<std::size_t> told = 0;
-    options.progress = [&](std::size_t count, std::size_t) { told = count; };
-    options.cancelled = [&] { return told > 120; };  // in the middle of the third round
+    std::atomic<std::size_t> finished = 0;
+    options.progress = [&](std::size_t count, std::size_t) { finished = count; };
+    options.cancelled = [&] { return finished > 120; };  // in the middle of the third round
     const Basins part = find_attractors(c.system, c.p, starts, options);
     CHECK_FALSE(part.complete);
     const auto run = std::count_if(part.outcomes.begin(), part.outcomes.end(),
                                    [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; });
-    CHECK(run > 100);  // not only the rounds that are through
+    CHECK(run > 100);  // not only the completed rounds
     CHECK(run < starts.cols());
     CHECK(part.admissible == static_cast<std::size_t>(run));
-    // What is known after a part is not changed by the rest.
+    // The rest of the computation does not change the results of the first part.
     for (std::size_t k = 0; k < part.outcomes.size(); ++k)
       if (part.outcomes[k].fate == Fate::reached)
         CHECK(part.attractors[part.outcomes[k].attractor].attractor.state ==
               whole.attractors[whole.outcomes[k].attractor].attractor.state);
     check_equal(find_attractors(c.system, c.p, starts, {.periods = 5000}, part), whole);
-    // Cancelled at once: nothing, and no attractor that no start reaches.
+    // Cancelled at once: no results, and no attractor without a start.
     options.cancelled = [] { return true; };
     const Basins nothing = find_attractors(c.system, c.p, starts, options);
     CHECK_FALSE(nothing.complete);
@@ -209,9 +210,9 @@ TEST_CASE("interrupted basins keep what is there, and go on from it to the same 
   }
 }
 
-TEST_CASE("what motions in transient chaos cost does not depend on where basins are interrupted") {
-  // Fixed: of those that are not recognised the first is analysed and the others are watched again; if it was kept where the
-  // round was interrupted, then another one was the first when it was gone on with.
+TEST_CASE("the cost of motions in transient chaos does not depend on interruptions of basins") {
+  // Fixed: the first of the unrecognised motions is analysed and the others are observed again. If it was kept at an
+  // interruption, another motion was the first after the continuation.
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.7095}, {"r", 2.0}});
   const Matrix starts = grid(12);
@@ -219,9 +220,9 @@ TEST_CASE("what motions in transient chaos cost does not depend on where basins 
   REQUIRE(whole.complete);
   int interrupted = 0;
   for (int last = 100; last < 10000; last += last / 4) {
-    std::atomic<int> asked = 0;
+    std::atomic<int> cancel_checks = 0;
     BasinOptions options;
-    options.cancelled = [&] { return ++asked > last; };
+    options.cancelled = [&] { return ++cancel_checks > last; };
     const Basins part = find_attractors(system, p, starts, options);
     interrupted += part.complete ? 0 : 1;
     check_equal(find_attractors(system, p, starts, {}, part), whole);
@@ -229,8 +230,8 @@ TEST_CASE("what motions in transient chaos cost does not depend on where basins 
   CHECK(interrupted > 5);
 }
 
-TEST_CASE("going on from whole basins does not cost states of their attractors when it is interrupted") {
-  // Fixed: what recognises an attractor is found anew, and where that was broken off, its states were as many as there were.
+TEST_CASE("an interrupted continuation of complete basins keeps the states of their attractors") {
+  // Fixed: the classifier of an attractor is built anew. If this was interrupted, only the states found so far were kept.
   const Case c = of(published()[1]);
   const Matrix starts = grid(8);
   BasinOptions options;
@@ -242,7 +243,7 @@ TEST_CASE("going on from whole basins does not cost states of their attractors w
   check_equal(find_attractors(c.system, c.p, starts, options, whole), whole);
 }
 
-TEST_CASE("starts beyond a hard barrier are left out of the fractions") {
+TEST_CASE("starts beyond a hard barrier are excluded from the fractions") {
   const Case c = of(published()[2]);
   Matrix starts = grid(6);
   starts.col(7) << 2.0 + 1e-6, 0.3;
@@ -255,15 +256,15 @@ TEST_CASE("starts beyond a hard barrier are left out of the fractions") {
   double sum = 0.0;
   for (const CoexistingAttractor& found : basins.attractors) sum += found.fraction;
   CHECK(sum == Approx(1.0).epsilon(1e-14));
-  // None at all.
+  // No admissible start at all.
   const Basins none = find_attractors(c.system, c.p, vector({3.0, 0.0}));
   CHECK(none.complete);
   CHECK(none.attractors.empty());
   CHECK(none.admissible == 0);
 }
 
-TEST_CASE("a transient longer than its option is not taken for an attractor of its own") {
-  // At 0.711 the way into the weakly impacting orbit leads through chaos for some starts; after ten periods nothing is settled.
+TEST_CASE("a transient longer than its option is not counted as a separate attractor") {
+  // At 0.711 some starts reach the weakly impacting orbit only through chaos; after ten periods no motion has settled.
   const Case c = of(published()[1]);
   const Matrix starts = grid(8);
   const Basins hasty = find_attractors(c.system, c.p, starts, {.transient = 10, .periods = 5000, .threads = 2});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exponents of chaotic motions against values found independently (another program: fixed-step extrapolation, its own tangent).
-// Here with 20,000 forcing periods. The hidden case goes on to errors several times smaller than those of the reference; it takes
-// minutes:   build/tests/tests_floquet "chaotic exponents to a ten-thousandth"
+// Exponents of chaotic motions, against independent values (another program: fixed-step extrapolation, its own tangent). The
+// regular cases use 20,000 forcing periods. The hidden case continues until its errors are several times smaller than those of
+// the reference. It takes minutes:   build/tests/tests_floquet "chaotic exponents to a ten-thousandth"
 #include "support/checks.hpp"
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -44,7 +44,7 @@ Attractor averaged(const Reference& reference, std::int64_t periods) {
   return find_attractor(system, p, reference.start, options);
 }
 
-/// Three joint standard errors: one comparison in 370 fails by chance, and the runs are the same every time.
+/// Three joint standard errors: by chance one comparison in 370 would fail, but the runs are the same every time.
 void compare(const Reference& reference, const Attractor& attractor, double liouville) {
   INFO(reference.oscillator << " " << reference.law << ": " << attractor.exponents.at(0) << " +- "
                             << attractor.standard_errors.at(0) << " against " << reference.exponent);
@@ -56,15 +56,15 @@ void compare(const Reference& reference, const Attractor& attractor, double liou
 
 }  // namespace
 
-TEST_CASE("chaotic exponents of the oscillators agree with values found independently") {
+TEST_CASE("chaotic exponents of the oscillators agree with independent values") {
   for (std::size_t k = 0; k < 3; ++k) compare(references()[k], averaged(references()[k], 20000), 1e-10);
 }
 
-TEST_CASE("chaotic exponents of the beam with a Hertz stop agree with values found independently") {
+TEST_CASE("chaotic exponents of the beam with a Hertz stop agree with independent values") {
   compare(references()[3], averaged(references()[3], 20000), 1e-10);
 }
 
-TEST_CASE("chaotic exponents of the beam with a rigid stop agree with values found independently") {
+TEST_CASE("chaotic exponents of the beam with a rigid stop agree with independent values") {
   compare(references()[4], averaged(references()[4], 20000), 1e-10);
 }
 
@@ -75,6 +75,6 @@ TEST_CASE("chaotic exponents to a ten-thousandth", "[.slow]") {
     WARN(reference.oscillator << " " << reference.law << ": " << attractor.exponents.at(0) << " +- "
                               << attractor.standard_errors.at(0));
     CHECK(attractor.standard_errors[0] < 1.2e-4);
-    compare(reference, attractor, 1e-10);  // some impact in a million periods is as slow as 1e-6
+    compare(reference, attractor, 1e-10);  // in a million periods some impact is as slow as 1e-6
   }
 }

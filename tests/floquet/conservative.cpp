@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Order is not taken for chaos: standard errors know a trend, and where nothing dissipates islands and the chaotic sea are told
-// apart by how tangents grow.
+// Regular motion is not classified as chaos. Standard errors account for a trend. In a conservative system the growth of
+// tangents distinguishes islands from the chaotic sea.
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/basins/basins.hpp>
 #include <graze/floquet/exponents/exponents.hpp>
@@ -27,13 +27,13 @@ Vector conservative() { return parameters(rigid(), {{"k_r", 1.0}, {"b", 0.0}, {"
 
 }  // namespace
 
-TEST_CASE("a standard error knows a trend: ln N / N is not positive by its errors") {
+TEST_CASE("the standard error accounts for a trend: ln N / N is not significantly positive") {
   for (const int periods : {500, 2000, 20000}) {
     INFO("periods " << periods);
     BatchMeans means;
     for (int k = 1; k <= periods; ++k) means.add(std::log1p(1.0 / k));
-    const double error = means.standard_error() / std::sqrt(16.0);  // of as many motions side by side, all alike
-    CHECK(means.mean() > 5.0 * error);                              // five standard errors are called chaos
+    const double error = means.standard_error() / std::sqrt(16.0);  // as for 16 equal motions side by side
+    CHECK(means.mean() > 5.0 * error);                              // five standard errors would count as chaos
     CHECK(means.mean() < 3.0 * with_trend(error, means.drift()));
   }
 }
@@ -51,7 +51,7 @@ TEST_CASE("a series without a trend keeps the standard error of its batch means"
   CHECK(larger <= 1);  // one in 16000 by chance
 }
 
-TEST_CASE("an island is not chaotic by 15 standard errors, and no attractor is claimed") {
+TEST_CASE("an island is not chaotic by 15 standard errors and no attractor is claimed") {
   AttractorOptions options;
   options.transient = 100;
   options.lyapunov.max_periods = 40000;
@@ -61,8 +61,8 @@ TEST_CASE("an island is not chaotic by 15 standard errors, and no attractor is c
   CHECK(found.motion == ConservativeMotion::island);
 }
 
-TEST_CASE("islands and the chaotic sea are told apart as by an alignment index") {
-  // The smaller alignment index of two tangent vectors over 6000 periods, by a program of its own in 80-bit arithmetic.
+TEST_CASE("islands and the chaotic sea are classified as by an alignment index") {
+  // The smaller alignment index of two tangent vectors over 6000 periods, from a separate program in 80-bit arithmetic.
   struct Start {
     double x, v;
     ConservativeMotion motion;
@@ -93,9 +93,8 @@ TEST_CASE("islands and the chaotic sea are told apart as by an alignment index")
   }
 }
 
-TEST_CASE("where the forcing period is twice the natural one every motion without impact is an orbit, and the one it is on is "
-          "found (fixed)") {
-  // x = 4/3 cos(t/2) + A cos t + B sin t: period 4 pi for every A and B, which the singular Jacobian of shooting must not move.
+TEST_CASE("at twice the natural period each motion without impact is an orbit and that through the start is found (fixed)") {
+  // x = 4/3 cos(t/2) + A cos t + B sin t: period 4 pi for every A and B. The singular Jacobian of shooting must not move them.
   const Vector p = parameters(rigid(), {{"k_r", 0.5}, {"b", 0.0}, {"xi", 1.0}, {"eta", 0.5}, {"r", 2.0}});
   for (const double recurrence : {0.0, 1e-4}) {
     INFO("recurrence " << recurrence);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cyclic equations of a Newton step against the same equations as one dense matrix.
+// The cyclic equations of a Newton step, against the same equations as one dense matrix.
 #include <graze/lib/numerics/cyclic_blocks.hpp>
 
 #include <Eigen/Dense>
@@ -9,11 +9,11 @@
 
 using namespace graze;
 
-TEST_CASE("cyclic blocks: the solution of the dense equations") {
+TEST_CASE("cyclic blocks: the solution agrees with that of the dense equations") {
   std::mt19937_64 generator(11);
   std::normal_distribution<double> normal;
   CyclicBlocks blocks;
-  for (const double size : {0.3, 1.0, 30.0})  // products from 1e-30 to 1e90: elimination must not multiply them out
+  for (const double size : {0.3, 1.0, 30.0})  // products from 1e-30 to 1e90: elimination must not form them
     for (const int n : {1, 2, 3, 7, 64}) {
       std::vector<CyclicBlocks::Square> Phi(static_cast<std::size_t>(n));
       std::vector<CyclicBlocks::Pair> r(Phi.size()), d;
@@ -32,7 +32,7 @@ TEST_CASE("cyclic blocks: the solution of the dense equations") {
       const Eigen::Map<Eigen::VectorXd> found(d.front().data(), 2 * n);
       const Eigen::VectorXd exact = A.fullPivLu().solve(b);
       INFO("n " << n << " size " << size);
-      // Backward stable: an error of rounding times the condition.
+      // Backward stable: the error is rounding times the condition number.
       const Eigen::VectorXd singular = A.jacobiSvd().singularValues();
       const double condition = singular[0] / singular[2 * n - 1];
       CHECK((found - exact).norm() < 1e-14 * condition * (1.0 + exact.norm()));
@@ -40,7 +40,7 @@ TEST_CASE("cyclic blocks: the solution of the dense equations") {
     }
 }
 
-TEST_CASE("cyclic blocks: no finite solution where there is none") {
+TEST_CASE("cyclic blocks: a singular matrix gives no finite solution") {
   CyclicBlocks blocks;
   std::vector<CyclicBlocks::Pair> d;
   blocks.solve({{1.0, 0.0, 0.0, 1.0}}, {{1.0, 1.0}}, d);

@@ -33,7 +33,7 @@ PeriodicOrbit settled_orbit(const HybridSystem& system, const Vector& p, int per
   return orbit;
 }
 
-/// The orbit of the limit against the closed form with this k_r.
+/// The orbit of the limit, against the closed form with this k_r.
 void compare_with_closed_form(const HardLimit& hard, double eta, double k_r) {
   OneImpactParameters q;
   q.eta = eta;
@@ -42,25 +42,25 @@ void compare_with_closed_form(const HardLimit& hard, double eta, double k_r) {
   double nearest = 1.0;
   for (const OneImpactOrbit& candidate : one_impact_orbits(q, hard.limit.period))
     for (const Vector& state : candidate.states()) nearest = std::min(nearest, (state - hard.limit.state).norm());
-  CHECK(nearest < 1e-11);  // Newton's method leaves 1e-13
+  CHECK(nearest < 1e-11);  // the error of Newton's method is 1e-13
 }
 
 }  // namespace
 
-TEST_CASE("restitution in the limit is what the contact's energy says") {
-  // v dv = -(1 + w v) dY from v = 1 to -e, Y the contact's potential: it must end where it began, Y = 0. No logarithm is
-  // involved.
+TEST_CASE("restitution in the limit satisfies the energy balance of the contact") {
+  // v dv = -(1 + w v) dY from v = 1 to -e; Y is the potential of the contact. It must end at its initial value, Y = 0. This
+  // check has no logarithm.
   for (const double w : {1e-6, 1e-3, 0.05, 0.099, 0.101, 0.5, 1.0, 3.0, 10.0, 19.0}) {
     const double e = limit_restitution(w);
     const auto field = [w](long double v, const LongState<1>&, LongState<1>& dY) { dY[0] = -v / (1.0L + w * v); };
     const long double Y = extrapolate<1>(field, 1.0L, -static_cast<long double>(e), {0.0L})[0];
     INFO(w << " " << e);
-    // dY/de at the end is e / (1 - e w): the error of e itself is what is bounded. Its equation's logarithm loses a digit at w =
-    // 0.1.
+    // dY/de at the end is e / (1 - e w): the check bounds the error of e itself. The logarithm in the equation of e loses a
+    // digit at w = 0.1.
     CHECK(std::abs(Y) * (1.0L - e * w) / e < 2e-15L * e);
     const double h = 1e-4 * std::min(w, 1.0);
     const auto u = [](double x) { return limit_restitution(x) * x; };
-    // Central differences are right to 1e-8 and to some rounding (of u, below 1) over h.
+    // Central differences have a truncation error of 1e-8, and some rounding (of u, below 1) over h.
     CHECK(limit_restitution_slope(w) == Approx((u(w + h) - u(w - h)) / (2.0 * h)).epsilon(1e-7).margin(1e-15 / h));
   }
   CHECK(limit_restitution(0.0) == 1.0);
@@ -71,7 +71,7 @@ TEST_CASE("restitution in the limit is what the contact's energy says") {
   CHECK_THROWS_WITH(limit_restitution(-0.1), Contains("-0.1; allowed is a finite number >= 0"));
 }
 
-TEST_CASE("the rigid stop of the limit has the derivatives that it says") {
+TEST_CASE("the rigid stop of the limit has correct derivatives") {
   const HybridSystem system = make_hard_limit(oscillator_kind("linear"));
   for (const double b_H : {1e-3, 0.1, 2.0}) {
     const Vector p = parameters(system, {{"b_H", b_H}, {"eta", 0.9}});
@@ -79,7 +79,7 @@ TEST_CASE("the rigid stop of the limit has the derivatives that it says") {
   }
 }
 
-TEST_CASE("extrapolation removes powers of epsilon and knows what it has left") {
+TEST_CASE("extrapolation removes powers of epsilon and estimates its remaining error") {
   const double ratio = std::pow(10.0, -0.4);
   std::vector<Vector> cubic, rough;
   for (int j = 0; j < 5; ++j) {
@@ -95,7 +95,7 @@ TEST_CASE("extrapolation removes powers of epsilon and knows what it has left") 
   CHECK(std::abs(near.value[0] - 2.0) < near.error);
 }
 
-TEST_CASE("undamped Hertz contact becomes Newton's law with k_r = 1, in the order 2/5") {
+TEST_CASE("undamped Hertz contact tends to Newton's law with k_r = 1 with order 2/5") {
   const OscillatorKind& kind = oscillator_kind("linear");
   const Vector p = hertz(0.95, 0.0);
   const HardLimit hard = hard_limit(kind, p, settled_orbit(make_oscillator("linear", "hertz"), p, 1));
@@ -104,7 +104,7 @@ TEST_CASE("undamped Hertz contact becomes Newton's law with k_r = 1, in the orde
   CHECK(hard.newton_restitution == 1.0);
   CHECK(hard.restitution.empty());
   compare_with_closed_form(hard, 0.95, 1.0);
-  // Orders come nearer to 2/5 by 2.5 a decade; here only that they do.
+  // Per decade of stiffness the distance of the orders from 2/5 falls by a factor 2.5; the test requires less.
   for (std::size_t k = 2; k < hard.steps.size(); ++k)
     CHECK(std::abs(hard.steps[k].order - 0.4) < 0.6 * std::abs(hard.steps[k - 1].order - 0.4));
   for (const OrbitCheck& check : hard.checks) {
@@ -113,7 +113,7 @@ TEST_CASE("undamped Hertz contact becomes Newton's law with k_r = 1, in the orde
     CHECK(check.passes());
     CHECK(check.limit < (check.name == "hard limit: order" ? 2e-3 : 1e-9));
   }
-  // From Newton's side the same.
+  // The same limit, computed with Newton's law.
   const HybridSystem newton = make_oscillator("linear", "newton");
   Vector rigid = default_parameters(newton.parameters);
   rigid[oscillator_parameter::eta] = 0.95;
@@ -123,7 +123,7 @@ TEST_CASE("undamped Hertz contact becomes Newton's law with k_r = 1, in the orde
   CHECK((back.limit.state - hard.limit.state).norm() < 1e-12);
 }
 
-TEST_CASE("damped Hertz contact becomes a rigid stop of restitution e(b_H v)") {
+TEST_CASE("damped Hertz contact tends to a rigid stop of restitution e(b_H v)") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   for (const auto& [eta, period] : {std::pair{0.95, 1}, {0.85, 2}}) {
     const Vector p = hertz(eta, 0.1);
@@ -147,7 +147,7 @@ TEST_CASE("damped Hertz contact becomes a rigid stop of restitution e(b_H v)") {
       CHECK(std::abs(point.stiff - e) < 1e-5);
       CHECK(std::abs(point.computed - e) > 1e-4);  // at k_H = 100 the limit is not reached
     }
-    // The contact of the orbit itself is one of those on the curve.
+    // The contact of the orbit itself lies on the curve.
     const auto leave =
         std::find_if(orbit.events.begin(), orbit.events.end(), [](const auto& e) { return e.kind == EventKind::leave; });
     const auto enter =
@@ -157,8 +157,8 @@ TEST_CASE("damped Hertz contact becomes a rigid stop of restitution e(b_H v)") {
   }
 }
 
-TEST_CASE("an orbit that cannot be followed to the stiff contact is said to be lost") {
-  // Near k_H = 9000 a free maximum of this 1/2 orbit reaches the barrier. So stiff a contact does not let it go on.
+TEST_CASE("an orbit that cannot be continued to the stiff contact is reported as lost") {
+  // Near k_H = 9000 a free maximum of this 1/2 orbit reaches the barrier. At this stiffness the orbit ends there.
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = hertz(0.8247, 0.1);
   const HardLimit hard = hard_limit(oscillator_kind("linear"), p, settled_orbit(system, p, 2));
@@ -175,7 +175,7 @@ TEST_CASE("hard limit: options and speeds out of range") {
                     Contains("four decades at least"));
   CHECK_THROWS_WITH(hard_limit(oscillator_kind("linear"), p, orbit, {.speeds = 0}), Contains("speeds is 0"));
   CHECK_THROWS_WITH(contact_restitution(system, p, 0.0, 0.0), Contains("speed of entry is 0"));
-  // A barrier far on the other side of rest: the mass is pressed into a soft contact and stays there.
+  // A barrier far on the other side of the equilibrium: the mass is pressed into a soft contact and stays there.
   Vector soft = p;
   soft[oscillator_parameter::b] = 0.3;
   soft[oscillator_parameter::r] = -2.0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that linger: at an unstable orbit, on it, on the way to a stable one, in narrow bands of chaos, now and then.
+// Motions in a laminar phase: near an unstable orbit, on it, on the way to a stable orbit, in narrow bands of chaos, and
+// intermittently.
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/laminar_phase.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
@@ -17,8 +18,8 @@ using namespace graze::support;
 
 namespace {
 
-/// Asks a watch about a sequence of positions, from its element 1000 on forwards and from element 0 on backwards.
-LaminarPhase asked(const std::function<double(int)>& x, int period, std::int64_t longest_escape = 0) {
+/// Tests a sequence of positions, forwards from its element 1000 and then again from element 0.
+LaminarPhase observed_phase(const std::function<double(int)>& x, int period, std::int64_t longest_escape = 0) {
   const auto state = [&](int k) { return vector({x(k), 0.0}); };
   LaminarPhase watch(state(1000), period, 2e-3, longest_escape);
   for (int k = 1001; watch.open(); ++k) watch.see(Termination::time, state(k));
@@ -29,19 +30,20 @@ LaminarPhase asked(const std::function<double(int)>& x, int period, std::int64_t
 
 }  // namespace
 
-TEST_CASE("lingering: what leaves an orbit slowly, or comes to one, goes on and was never elsewhere") {
+TEST_CASE("laminar phase: a slow departure from or approach to an orbit continues and was laminar all the time") {
   const auto leaving = [](int k) { return 1.0 + 1e-4 * std::exp(0.002 * k) * (k % 2 ? -1.0 : 1.0); };
-  for (const LaminarPhase& watch : {asked(leaving, 2), asked([](int k) { return 1.0 + 0.5 * std::exp(-0.003 * k); }, 1)}) {
+  for (const LaminarPhase& watch :
+       {observed_phase(leaving, 2), observed_phase([](int k) { return 1.0 + 0.5 * std::exp(-0.003 * k); }, 1)}) {
     CHECK(watch.goes_on());
     CHECK(watch.always());
     CHECK_FALSE(watch.on_an_orbit());
   }
-  const LaminarPhase rounding_distance = asked([](int) { return 1.0; }, 1);
+  const LaminarPhase rounding_distance = observed_phase([](int) { return 1.0; }, 1);
   CHECK(rounding_distance.goes_on());
   CHECK(rounding_distance.on_an_orbit());
 }
 
-TEST_CASE("lingering: what stays next to an orbit is not watched for as long as chaos would be") {
+TEST_CASE("laminar phase: a motion next to an orbit is observed for less time than chaos") {
   const auto periods = [](const std::function<double(int)>& x) {
     LaminarPhase watch(vector({x(0), 0.0}), 2, 2e-3, 10000);
     int k = 0;
@@ -50,36 +52,37 @@ TEST_CASE("lingering: what stays next to an orbit is not watched for as long as 
     CHECK(watch.goes_on() == watch.on_an_orbit());
     return k;
   };
-  // It comes within 1e-6 of one after 300 periods, from the other side each time.
+  // After 300 periods the motion is within 1e-6 of an orbit, alternating between its two sides.
   const auto settles = [](int k) { return (k % 2 ? 1.0 : 2.0) + 1e-4 * std::exp(-0.0154 * k) * (k % 4 < 2 ? 1.0 : -1.0); };
   CHECK(periods(settles) > 300);
   CHECK(periods(settles) < 500);
-  // Chaos in narrow bands comes as near now and then.
+  // Chaos in narrow bands gets equally close from time to time.
   const auto bands = [](int k) { return (k % 2 ? 1.0 : 2.0) + 3e-4 * std::exp(-0.1 * (k % 100)) * (k % 4 < 2 ? 1.0 : -1.0); };
   CHECK(periods(bands) == 10002);
 }
 
-TEST_CASE("lingering: chaos that came back goes on, but was elsewhere, and what is away at once does not linger") {
-  const LaminarPhase back = asked([](int k) { return k < 900 ? std::cos(1.0 * k * k) : 0.5; }, 1);
+TEST_CASE("laminar phase: chaos that returns continues without having been laminar and a motion that leaves at once is none") {
+  const LaminarPhase back = observed_phase([](int k) { return k < 900 ? std::cos(1.0 * k * k) : 0.5; }, 1);
   CHECK(back.goes_on());
   CHECK_FALSE(back.always());
-  const LaminarPhase away = asked([](int k) { return k < 1050 ? 0.5 : std::cos(1.0 * k * k); }, 1);
+  const LaminarPhase away = observed_phase([](int k) { return k < 1050 ? 0.5 : std::cos(1.0 * k * k); }, 1);
   CHECK_FALSE(away.goes_on());
   LaminarPhase failed(vector({0.0, 0.0}), 1, 2e-3);
   failed.see(Termination::grazing, vector({0.0, 0.0}));
   CHECK_FALSE(failed.open());
 }
 
-TEST_CASE("lingering: what stays longer than any motion that leaves an orbit stays by itself") {
+TEST_CASE("laminar phase: a motion that stays longer than any escape from an orbit stays for good") {
   const auto bands = [](int k) { return (k % 2 ? 1.0 : 2.0) + 3e-4 * std::cos(1.0 * k * k); };
-  CHECK(asked(bands, 2).goes_on());
-  CHECK_FALSE(asked(bands, 2, 500).goes_on());
+  CHECK(observed_phase(bands, 2).goes_on());
+  CHECK_FALSE(observed_phase(bands, 2, 500).goes_on());
   const auto bursts = [&](int k) { return k == 1400 ? 0.0 : bands(k); };
-  CHECK(asked(bursts, 2, 500).goes_on());
-  CHECK(asked([](int) { return 1.0; }, 1, 500).goes_on());  // on the orbit itself: rounding would not take it away either
+  CHECK(observed_phase(bursts, 2, 500).goes_on());
+  // On the orbit itself: rounding would not move it away either.
+  CHECK(observed_phase([](int) { return 1.0; }, 1, 500).goes_on());
 }
 
-TEST_CASE("attractors: a start on an unstable orbit ends on what attracts") {
+TEST_CASE("attractors: a start on an unstable orbit ends on an attractor") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b", 0.05}, {"eta", 0.9194}, {"r", 2.0}, {"k_H", 100.0}, {"b_H", 0.1}});
   const PeriodicOrbit orbit = shoot(system, p, vector({2.05, 1.39}), 1);

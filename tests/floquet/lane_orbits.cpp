@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Orbits found side by side in lanes, against closed forms and against the orbits that shoot() finds.
+// Orbits found side by side in lanes, against closed forms and against shoot().
 #include <graze/floquet/attractor/settling_orbit.hpp>
 #include <graze/floquet/orbit/lane_orbits.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -17,7 +17,7 @@ namespace {
 
 std::array<double, 2> pair_of(const Vector& x) { return {x[0], x[1]}; }
 
-/// States on the closed-form orbit, beside it by `off`.
+/// States on the closed-form orbit, displaced by `off`.
 LaneGuess guess_at(std::size_t set, const OneImpactOrbit& orbit, double off) {
   LaneGuess guess{set, {}};
   for (const Vector& x : orbit.states()) guess.states.push_back({x[0] - off, x[1] + 0.3 * off});
@@ -36,7 +36,7 @@ constexpr Known hertz_orbits[] = {{1, 0.94, 2.0403618495903122, 1.47311907690207
 
 }  // namespace
 
-TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
+TEST_CASE("lane orbits: closed forms with one impact are found all at once") {
   LaneCarrier many(newton_oscillator());
   std::vector<OneImpactOrbit> exact;
   std::vector<LaneGuess> guesses;
@@ -46,7 +46,7 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
         for (int n = 1; n <= 5; ++n)
           for (const OneImpactOrbit& orbit : one_impact_orbits({0.05, 1.0, eta, r, k_r}, n)) {
             const double T = orbit.parameters.period();
-            // Away from a second impact, and with room for the guess beside the barrier.
+            // Orbits without a second impact nearby, and with room for the guess next to the barrier.
             if (!orbit.admissible() || orbit.highest > -1e-2 || orbit.time < 0.02 * T || orbit.time > 0.98 * T) continue;
             if (orbit.speed < 0.05) continue;
             guesses.push_back(guess_at(many.add_parameters(parameters_of(orbit.parameters)), orbit, 1e-5));
@@ -63,13 +63,13 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
     CHECK_FALSE(found[i].delicate);
     CHECK(found[i].impacts == 1);
     REQUIRE(static_cast<int>(found[i].states.size()) == orbit.n);
-    // Rounding of the residual times |(M - I)^-1|, M growing like 1/speed.
+    // Rounding of the residual times |(M - I)^-1|; M grows like 1/speed.
     const double along = std::abs(1.0 - orbit.multipliers[0]) * std::abs(1.0 - orbit.multipliers[1]);
     const double tolerance = 1e-13 * (1.0 + (1.0 + 1.0 / orbit.speed) / along);
     const std::vector<Vector> states = orbit.states();
     for (std::size_t k = 0; k < states.size(); ++k)
       CHECK((vector({found[i].states[k][0], found[i].states[k][1]}) - states[k]).norm() < 10.0 * tolerance);
-    // The trace's derivative in the state goes like 1/speed^3.
+    // The derivative of the trace in the state grows like 1/speed^3.
     for (std::size_t k = 0; k < 2; ++k)
       CHECK(std::abs(found[i].multipliers[k]) == Approx(std::abs(orbit.multipliers[k])).margin(1e-9).epsilon(1e-9));
     CHECK(found[i].stable() == orbit.stable());
@@ -78,12 +78,12 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
   CHECK(stable > 10);
   CHECK(stable < static_cast<int>(exact.size()) - 10);
 
-  // Given up where their tangent grows too much, and else the same.
+  // With a limit on the growth of the tangent, orbits beyond it are given up and the others are unchanged.
   const std::vector<LaneOrbit> slow = shoot_together(many, guesses, {.most_growth = 3.0});
   int given_up = 0, same = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const double growth = std::abs(exact[i].multipliers[0]);
-    if (std::abs(growth - 3.0) < 0.5) continue;  // the guess is a little off the orbit
+    if (std::abs(growth - 3.0) < 0.5) continue;  // the guess is slightly off the orbit
     CHECK(slow[i].converged == (growth < 3.0));
     given_up += !slow[i].converged;
     if (!slow[i].converged) continue;
@@ -94,7 +94,7 @@ TEST_CASE("lane orbits: closed forms with one impact, all of them at once") {
   CHECK(same >= 10);
 }
 
-TEST_CASE("lane orbits: before a fold, a guess is given up the sooner the fewer times a step is halved") {
+TEST_CASE("lane orbits: near a fold a guess is given up sooner if fewer step halvings are allowed") {
   for (const double k_r : {1.0, 0.7})
     for (const double eta : {1.3, 1.7}) {
       INFO("k_r " << k_r << " eta " << eta);
@@ -115,7 +115,7 @@ TEST_CASE("lane orbits: before a fold, a guess is given up the sooner the fewer 
     }
 }
 
-TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among others") {
+TEST_CASE("lane orbits: orbits with a Hertz stop agree with shoot() alone and among others") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   LaneCarrier many(system);
   std::vector<LaneGuess> guesses;
@@ -127,7 +127,7 @@ TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among 
     LaneGuess guess{many.add_parameters(p), {}};
     for (const Vector& state : exact.back().states) guess.states.push_back({state[0] + 1e-6, state[1] - 1e-6});
     guesses.push_back(guess);
-    // Twice its period: it is found to be the shorter one.
+    // Two traversals: the result is the orbit of the least period.
     guess.states.insert(guess.states.end(), guess.states.begin(), guess.states.end());
     guesses.push_back(guess);
     exact.push_back(exact.back());
@@ -147,11 +147,11 @@ TEST_CASE("lane orbits: of a Hertz stop, as shoot() finds them, alone and among 
   }
 }
 
-TEST_CASE("lane orbits: what is delicate, and what does not converge, is said") {
+TEST_CASE("lane orbits: delicate orbits and failed convergence are reported") {
   LaneCarrier many(newton_oscillator());
-  // k_r = 0: the tangent forgets a direction.
+  // k_r = 0: the tangent loses a direction.
   const std::size_t plastic = many.add_parameters(parameters(newton_oscillator(), {{"b", 0.05}, {"eta", 0.95}, {"k_r", 0.0}}));
-  // The impactless orbit without an impact near it, and a guess that leads nowhere: beyond the barrier.
+  // The impactless orbit without a nearby impact, and a guess without an orbit: beyond the barrier.
   const OneImpactParameters far{0.05, 1.0, 2.0, 3.0, 0.8};
   const std::size_t free = many.add_parameters(parameters_of(far));
   const Vector steady = detail::impactless(far, 0.0);
@@ -169,8 +169,9 @@ TEST_CASE("lane orbits: what is delicate, and what does not converge, is said") 
   CHECK_FALSE(orbits[2].converged);
 }
 
-TEST_CASE("the orbit a motion is settling on is that of Newton's method tried return by return") {
-  // In chaos, next to a period doubling, and on a long orbit: shoot() from every return, which is what the lanes spare.
+TEST_CASE("the orbit of a settling motion agrees with Newton's method from each return") {
+  // Cases: in chaos, near a period doubling, and on a long orbit. The reference calls shoot() from every return, which the
+  // lanes avoid.
   const HybridSystem system = make_oscillator("linear", "hertz");
   for (const auto& [eta, settled] : {std::pair{0.711, 300}, {0.745, 40}, {0.738, 200}, {0.9196, 30}, {0.95, 20}}) {
     const Vector p = parameters(system, {{"b", 0.05}, {"eta", eta}, {"r", 2.0}, {"k_H", 100.0}, {"b_H", 0.0}});
@@ -193,7 +194,7 @@ TEST_CASE("the orbit a motion is settling on is that of Newton's method tried re
         const PeriodicOrbit orbit = shoot(system, p, states, n);
         double distance = 1e9, later = 1e9;
         for (const Vector& one : orbit.states) distance = std::min(distance, (one - state).lpNorm<Eigen::Infinity>());
-        Vector x = state;  // far on: on it, or not
+        Vector x = state;  // much later: on it, or not
         for (int k = 0; k < 2000; ++k) {
           carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none}, transition);
           x = transition.x1;
@@ -208,6 +209,6 @@ TEST_CASE("the orbit a motion is settling on is that of Newton's method tried re
     REQUIRE(found.has_value() == expected.has_value());
     if (!found) continue;
     CHECK(found->period == expected->period);
-    CHECK(found->state == expected->state);  // the same computation at the end: to the last bit
+    CHECK(found->state == expected->state);  // the final computation is the same: identical bits
   }
 }

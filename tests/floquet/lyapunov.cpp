@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exponents by time average: against the multipliers on periodic orbits, against Liouville's identity in chaos, their standard
-// errors against the scatter of independent runs.
+// Exponents by time average: against the multipliers on periodic orbits, against Liouville's identity in chaos. Their standard
+// errors are compared with the scatter of independent runs.
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/exponents/lyapunov.hpp>
@@ -19,7 +19,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("batch means: the error of a correlated series is that of its correlation time") {
+TEST_CASE("batch means: the error of a correlated series follows from its correlation time") {
   // x_{k+1} = a x_k + noise: variance 1 / (1 - a^2), integrated correlation time (1 + a) / (2 (1 - a)).
   const double a = 0.9;
   std::mt19937 random(1);
@@ -29,22 +29,22 @@ TEST_CASE("batch means: the error of a correlated series is that of its correlat
   constexpr int count = 400000;
   for (int k = 0; k < count; ++k) means.add(x = a * x + noise(random));
   const double tau = 0.5 * (1.0 + a) / (1.0 - a), error = std::sqrt(2.0 * tau / (1.0 - a * a) / count);
-  // 32 to 64 batches know their spread to 1 / sqrt(64 ... 128), three times that is allowed.
+  // 32 to 64 batches estimate their spread with a relative error of 1 / sqrt(64 ... 128); the test allows three times that.
   CHECK(means.standard_error() == Approx(error).epsilon(0.35));
   CHECK(means.correlation_time() == Approx(tau).epsilon(0.75));
   CHECK(std::abs(means.mean()) < 4.0 * error);
 }
 
-TEST_CASE("batch means: where terms alternate, their ends are no secret") {
+TEST_CASE("batch means: for alternating terms the edge effect is reported") {
   BatchMeans means;
   for (int k = 0; k < 125; ++k) means.add(k % 2 ? -2.0 : 2.0);
   CHECK(means.mean() == Approx(2.0 / 125.0));
   CHECK(means.edge() == Approx(2.0 / 125.0).epsilon(0.01));
 }
 
-TEST_CASE("motions that stay together at a stable orbit are not sixteen witnesses of chaos") {
-  // A linear stop at which the norm of a tangent vector alternates by seventy from period to period; the orbit's exponent is
-  // -2.7e-5, and 125 periods of each motion end on the larger half.
+TEST_CASE("sixteen motions that stay together at a stable orbit are no evidence of chaos") {
+  // With this linear stop the norm of a tangent vector alternates by a factor of seventy from period to period. The exponent
+  // of the orbit is -2.7e-5, and an average over 125 periods of each motion ends on the larger norm.
   const HybridSystem system = make_oscillator("linear", "linear");
   const Vector p = parameters(
       system, {{"b", 0.011211269796007485}, {"k_S", 5338.038392993008}, {"eta", 1.0253945205925283}, {"r", 0.823360803917355}});
@@ -52,7 +52,7 @@ TEST_CASE("motions that stay together at a stable orbit are not sixteen witnesse
   CHECK(attractor.type == AttractorType::periodic);
   CHECK(attractor.period == 2);
   CHECK(attractor.impacts == 2);
-  CHECK(attractor.exponents[0] == Approx(-2.7256e-5).epsilon(1e-4));  // given with five digits
+  CHECK(attractor.exponents[0] == Approx(-2.7256e-5).epsilon(1e-4));  // known to five digits
 }
 
 TEST_CASE("Kaplan and Yorke's dimension") {
@@ -63,7 +63,7 @@ TEST_CASE("Kaplan and Yorke's dimension") {
   CHECK(kaplan_yorke_dimension({0.1, -std::numeric_limits<double>::infinity()}) == 1.0);
 }
 
-TEST_CASE("on a stable orbit the time average is what its multipliers say") {
+TEST_CASE("on a stable orbit the time average agrees with the multipliers") {
   for (const auto& [law, eta, b_H] :
        {std::tuple{"hertz", 0.925, 0.1}, {"hertz", 0.85, 0.1}, {"newton", 0.9, 0.0}, {"hertz", 0.744, 0.0}}) {
     const HybridSystem system = make_oscillator("linear", law);
@@ -82,7 +82,7 @@ TEST_CASE("on a stable orbit the time average is what its multipliers say") {
       const LyapunovSpectrum spectrum = lyapunov_spectrum(system, p, orbit.state, options);
       INFO(law << " " << eta << ", orthonormalised every " << interval);
       CHECK(spectrum.stop == LyapunovStop::budget);
-      // The frame needs some periods to find its directions: an error of O(1) over the time of averaging.
+      // The frame needs some periods to align with its directions: an error of O(1) over the time of averaging.
       for (std::size_t i = 0; i < 2; ++i) CHECK(spectrum.exponents[i] == Approx(orbit.multipliers.exponents[i]).margin(2e-4));
       CHECK(spectrum.exponents[0] + spectrum.exponents[1] ==
             Approx(orbit.multipliers.exponents[0] + orbit.multipliers.exponents[1]).margin(1e-11));
@@ -94,7 +94,7 @@ TEST_CASE("on a stable orbit the time average is what its multipliers say") {
   }
 }
 
-TEST_CASE("in chaos the sum obeys Liouville, and standard errors are the scatter of independent runs") {
+TEST_CASE("in chaos the sum obeys Liouville and standard errors agree with the scatter of independent runs") {
   const HybridSystem system = make_oscillator("linear", "newton");
   Vector p = default_parameters(system.parameters);
   p[oscillator_parameter::eta] = 0.711;
@@ -122,7 +122,7 @@ TEST_CASE("in chaos the sum obeys Liouville, and standard errors are the scatter
   CHECK(scatter / stated < 2.8);
 }
 
-TEST_CASE("four states: the whole spectrum sums to the trace") {
+TEST_CASE("four states: the spectrum sums to the trace") {
   const HybridSystem system = two_mass_oscillator();
   const Vector p = parameters(system, {{"xi", 2.0}, {"eta", 0.7}, {"k_r", 0.7}});
   const LyapunovSpectrum spectrum =
@@ -133,7 +133,7 @@ TEST_CASE("four states: the whole spectrum sums to the trace") {
   CHECK(std::is_sorted(spectrum.exponents.rbegin(), spectrum.exponents.rend()));
 }
 
-TEST_CASE("a direction that is forgotten has the exponent minus infinity") {
+TEST_CASE("a lost direction has the exponent minus infinity") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"k_r", 0.0}, {"eta", 0.9}, {"r", 1.0}});
   const Settled start = settle(system, p, Vector::Zero(2), {.periods = 100});
@@ -142,7 +142,7 @@ TEST_CASE("a direction that is forgotten has the exponent minus infinity") {
   CHECK(spectrum.liouville_residual == -1.0);
 }
 
-TEST_CASE("the source's rule stops by change, and misuse of exponents is refused in one sentence") {
+TEST_CASE("the stopping rule of the source works and misuse of exponents is refused in one sentence") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = default_parameters(system.parameters);
   const Settled start = settle(system, p, Vector::Zero(2), {.periods = 500});
@@ -152,17 +152,17 @@ TEST_CASE("the source's rule stops by change, and misuse of exponents is refused
   CHECK_THROWS_WITH(lyapunov_spectrum(system, p, start.state, {.interval = 0}), Catch::Contains("interval is 0"));
   CHECK_THROWS_WITH(lyapunov_spectrum(system, p, start.state, {.interval = 5, .max_periods = 3}),
                     Catch::Contains("max_periods is 3"));
-  int asked = 0;
+  int cancel_checks = 0;
   LyapunovOptions options;
-  options.cancelled = [&] { return ++asked > 3; };
+  options.cancelled = [&] { return ++cancel_checks > 3; };
   CHECK(lyapunov_spectrum(system, p, start.state, options).stop == LyapunovStop::interrupted);
 }
 
-TEST_CASE("an attractor is periodic where Newton proves it, however slowly the motion settles, and chaotic beyond its error") {
+TEST_CASE("an attractor is periodic if an orbit is proved and chaotic only if its exponent exceeds its error") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   Vector p = default_parameters(system.parameters);
   p[oscillator_parameter::law + 1] = 0.1;
-  // 0.7433 and 0.9195 lie 2e-5 and 4e-5 beyond their period doublings: 1000 periods do not settle to 1e-6.
+  // 0.7433 and 0.9195 lie 2e-5 and 4e-5 beyond their period doublings: in 1000 periods the motion does not settle to 1e-6.
   for (const auto& [eta, period, impacts] :
        {std::tuple{0.925, 1, 1}, {0.85, 2, 1}, {0.7433, 4, 4}, {0.9195, 2, 2}, {0.66, 1, 0}}) {
     p[oscillator_parameter::eta] = eta;
@@ -173,7 +173,7 @@ TEST_CASE("an attractor is periodic where Newton proves it, however slowly the m
     CHECK(attractor.impacts == impacts);
     REQUIRE(attractor.orbit);
     CHECK(attractor.exponents == attractor.orbit->multipliers.exponents);
-    // The short-cut reaches what plain simulation reaches.
+    // The shortcut leads to the orbit of plain simulation.
     const Settled plain = settle(system, p, Vector::Zero(2), {.periods = 40000});
     double nearest = 1.0;
     for (const Vector& state : attractor.orbit->states) nearest = std::min(nearest, (state - plain.state).norm());
@@ -184,7 +184,7 @@ TEST_CASE("an attractor is periodic where Newton proves it, however slowly the m
   CHECK(chaos.type == AttractorType::chaotic);
   CHECK(chaos.exponents[0] > 5.0 * chaos.standard_errors[0]);
   CHECK_FALSE(chaos.orbit);
-  // The budget is a limit that is told.
+  // A budget that is used up is reported.
   AttractorOptions little;
   little.lyapunov.max_periods = 50;
   const Attractor undecided = find_attractor(system, p, Vector::Zero(2), little);
@@ -192,38 +192,38 @@ TEST_CASE("an attractor is periodic where Newton proves it, however slowly the m
   CHECK(undecided.time_average.periods == 50);
 }
 
-TEST_CASE("an average that is interrupted while its ends are looked at says so, and keeps its exponents") {
-  // In chaos so weak that ends are looked at: tangents do not grow hopelessly in 128 periods.
+TEST_CASE("an average that is interrupted at the check of its ends reports this and keeps its exponents") {
+  // Chaos so weak that the ends are checked: tangents grow little enough in 128 periods.
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b", 0.05}, {"eta", 0.7347}, {"r", 2.0}, {"k_H", 100.0}, {"b_H", 0.1}});
   AttractorOptions options;
   options.lyapunov.motions = 16;
   options.lyapunov.standard_error = 0.0;
   options.lyapunov.max_periods = 20000;
-  int asked = 0;
-  options.lyapunov.cancelled = [&] { return ++asked < 0; };
+  int cancel_checks = 0;
+  options.lyapunov.cancelled = [&] { return ++cancel_checks < 0; };
   const LyapunovSpectrum average = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options.lyapunov);
   REQUIRE(average.stop == LyapunovStop::budget);
-  const int in_average = asked;
-  asked = 0;
-  options.lyapunov.cancelled = [&] { return ++asked > in_average; };
+  const int in_average = cancel_checks;
+  cancel_checks = 0;
+  options.lyapunov.cancelled = [&] { return ++cancel_checks > in_average; };
   Attractor attractor;
   attractor.termination = Termination::time;
   attractor.state = vector({-0.379, -0.717});
   average_on_attractor(system, p, attractor, options);
-  CHECK(asked == in_average + 1);
+  CHECK(cancel_checks == in_average + 1);
   CHECK(attractor.time_average.stop == LyapunovStop::interrupted);
   CHECK(attractor.exponents == average.exponents);
 }
 
-TEST_CASE("what an average on the way to an orbit comes to does not depend on when it is interrupted") {
-  // Fixed: where it was broken off its motions were looked at as at its end, and an orbit found there was the attractor.
+TEST_CASE("an average that reaches an orbit gives the same result after any interruption") {
+  // Fixed: an interrupted average analysed its motions as if it had ended, and took an orbit found there for the attractor.
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.7095}, {"r", 2.0}});
-  const auto find = [&](int last, int& asked) {
+  const auto find = [&](int last, int& cancel_checks) {
     AttractorOptions options;
     options.lyapunov.max_periods = 20000;
-    options.lyapunov.cancelled = [&asked, last] { return ++asked > last; };
+    options.lyapunov.cancelled = [&cancel_checks, last] { return ++cancel_checks > last; };
     Attractor attractor;
     attractor.termination = Termination::time;
     attractor.state = vector({1.4292500922535618, 0.8555925090162767});  // in transient chaos
@@ -237,8 +237,8 @@ TEST_CASE("what an average on the way to an orbit comes to does not depend on wh
   REQUIRE(all > 20);
   int interrupted = 0;
   for (int last = 0; last < all; ++last) {
-    int asked = 0;
-    const Attractor part = find(last, asked);
+    int cancel_checks = 0;
+    const Attractor part = find(last, cancel_checks);
     const bool broken_off = part.time_average.stop == LyapunovStop::interrupted;
     interrupted += broken_off ? 1 : 0;
     CHECK(broken_off == (part.type != AttractorType::periodic));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exponents averaged over several motions side by side in lanes: against one motion, with and without a table of contacts, on any
-// number of threads.
+// Exponents averaged over several motions side by side in lanes, against one motion, with and without a table of contacts, and
+// for any number of threads.
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/exponents/lyapunov_lanes.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -16,7 +16,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("exponents averaged over several motions side by side") {
+TEST_CASE("exponents averaged over several motions side by side agree with one motion") {
   const char* law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   Vector p = default_parameters(system.parameters);
@@ -32,10 +32,11 @@ TEST_CASE("exponents averaged over several motions side by side") {
   CHECK(many.stop == LyapunovStop::budget);
   CHECK(many.periods == 40000);
   CHECK(many.others.size() == 7);
-  // Independent samples of one chaos: five joint standard errors.
+  // Independent samples of the same chaos: five joint standard errors.
   for (std::size_t i = 0; i < 2; ++i)
     CHECK(std::abs(one.exponents[i] - many.exponents[i]) < 5.0 * std::hypot(one.standard_errors[i], many.standard_errors[i]));
-  CHECK(many.standard_errors[0] == Approx(one.standard_errors[0]).epsilon(0.6));  // as much data: an error that is an estimate
+  // The same amount of data: both errors are estimates.
+  CHECK(many.standard_errors[0] == Approx(one.standard_errors[0]).epsilon(0.6));
   CHECK(many.liouville_residual >= 0.0);
   CHECK(many.liouville_residual < 1e-10);
   CHECK(static_cast<double>(many.impacts) == Approx(static_cast<double>(one.impacts)).epsilon(0.05));
@@ -49,7 +50,7 @@ TEST_CASE("exponents averaged over several motions side by side") {
   CHECK(bounded.periods < 40000);
 }
 
-TEST_CASE("exponents averaged with contacts from a table are those without") {
+TEST_CASE("exponents averaged with and without a table of contacts agree") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});
   LyapunovOptions options;
@@ -57,7 +58,7 @@ TEST_CASE("exponents averaged with contacts from a table are those without") {
   options.standard_error = 0.0;
   options.max_periods = 200000;
   const LyapunovSpectrum with_table = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
-  options.flow.tolerance = 1e-14;  // finer than a table is
+  options.flow.tolerance = 1e-14;  // finer than a table
   options.max_periods = 60000;
   const LyapunovSpectrum in_steps = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -68,7 +69,7 @@ TEST_CASE("exponents averaged with contacts from a table are those without") {
   CHECK(with_table.liouville_residual < 1e-9);
 }
 
-TEST_CASE("exponents averaged on all threads are the same to the last bit") {
+TEST_CASE("exponents averaged on all threads have identical bits") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = make_oscillator("linear", law);
   Vector p = default_parameters(system.parameters);
@@ -87,7 +88,7 @@ TEST_CASE("exponents averaged on all threads are the same to the last bit") {
   CHECK(several.others == one.others);
 }
 
-TEST_CASE("chaos is averaged over more motions where each will be carried for long") {
+TEST_CASE("chaos is averaged over more motions if each will run for long") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.711}});
   const auto motions = [&](std::int64_t periods, double standard_error) {
@@ -106,13 +107,13 @@ TEST_CASE("chaos is averaged over more motions where each will be carried for lo
   CHECK(motions(1000000, 1e-3) == 16);  // a bound that some 20000 periods meet
 }
 
-TEST_CASE("exponents averaged with a table that was made before") {
+TEST_CASE("exponents averaged with an existing table of contacts") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}});
   const ContactTable contacts(system, p, {0.125, 1.9});
   LyapunovOptions options;
   options.standard_error = 0.0;
-  options.max_periods = 12;  // in which chaos makes little of the table's errors
+  options.max_periods = 12;  // too few periods for chaos to amplify the error of the table much
   const LyapunovSpectrum in_steps = lane_spectrum(system, {p, vector({-0.379, -0.717})}, options);
   options.table = &contacts;
   const LyapunovSpectrum with_table = lane_spectrum(system, {p, vector({-0.379, -0.717})}, options);
@@ -127,7 +128,7 @@ TEST_CASE("exponents averaged with a table that was made before") {
                     Catch::Contains("table of contacts is not one of parameter set"));
 }
 
-TEST_CASE("one motion in lanes has the exponents of a motion") {
+TEST_CASE("one motion in lanes has the exponents of the scalar computation") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   LyapunovOptions options;
   options.standard_error = 0.0;
@@ -157,14 +158,14 @@ TEST_CASE("one motion in lanes has the exponents of a motion") {
     CHECK(in_lanes.impacts == alone.impacts);
     CHECK(in_lanes.correlation_times[0] == Approx(alone.correlation_times[0]));
     for (std::size_t i = 0; i < 2; ++i) CHECK(in_lanes.exponents[i] == Approx(alone.exponents[i]).margin(1e-9));
-    CHECK((in_lanes.state - alone.state).norm() < 1e-6);  // their rounding, as far as 90 periods of it grow
+    CHECK((in_lanes.state - alone.state).norm() < 1e-6);  // rounding, amplified over 90 periods
     CHECK(in_pool[k].exponents == in_lanes.exponents);
     CHECK(in_pool[k].periods == in_lanes.periods);
     CHECK(in_pool[k].state == in_lanes.state);
   }
 }
 
-TEST_CASE("the number of motions is checked") {
+TEST_CASE("the number of motions is validated") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   LyapunovOptions options;
   options.motions = 0;
@@ -172,13 +173,13 @@ TEST_CASE("the number of motions is checked") {
                     "motions is 0; allowed is a whole number >= 1");
 }
 
-TEST_CASE("an average ends with its motions, and where it is cancelled, before they have parted") {
+TEST_CASE("an average ends if a motion fails or is cancelled before the motions separate") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b", 0.05}, {"eta", 0.711}, {"r", 2.0}, {"k_H", 100.0}, {"b_H", 0.1}});
   LyapunovOptions options;
   options.motions = 16;
-  int asked = 0;
-  options.cancelled = [&asked] { return ++asked > 3; };
+  int cancel_checks = 0;
+  options.cancelled = [&cancel_checks] { return ++cancel_checks > 3; };
   const LyapunovSpectrum cancelled = lyapunov_spectrum(system, p, vector({-0.379, -0.717}), options);
   CHECK(cancelled.stop == LyapunovStop::interrupted);
   CHECK(cancelled.periods == 0);

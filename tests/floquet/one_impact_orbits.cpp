@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Newton's law with one impact in n periods: the library against the closed form, away from the published parameters.
+// Newton's law with one impact in n periods: the library against the closed form, beyond the published parameters.
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -14,7 +14,7 @@ using namespace graze::support;
 
 namespace {
 
-/// Every k_r with every r (0 and below among them), at frequencies that are no simple fractions of each other.
+/// Every k_r with every r (including 0 and below), at frequencies that are not simple fractions of each other.
 std::vector<OneImpactParameters> grid() {
   std::vector<OneImpactParameters> list;
   for (const double k_r : {1.0, 0.8, 0.45, 0.1, 0.0})
@@ -25,8 +25,8 @@ std::vector<OneImpactParameters> grid() {
   return list;
 }
 
-/// The admissible orbits of the grid for n = 1 ... 5. An impact within 1e-3 of phase 0 is left out: a start beside it would lie
-/// inside the barrier. So is a flight that comes closer than 1e-4 to a second impact.
+/// The admissible orbits of the grid for n = 1 ... 5. An impact within 1e-3 of phase 0 is skipped: a start beside it would lie
+/// inside the barrier. A flight closer than 1e-4 to a second impact is skipped too.
 template <class Check> int for_each_admissible(const Check& check) {
   int count = 0;
   for (const OneImpactParameters& q : grid()) {
@@ -49,8 +49,8 @@ PeriodicOrbit shoot_at(const OneImpactOrbit& orbit, double off) {
   return shoot(newton_oscillator(), parameters_of(orbit.parameters), start, orbit.n);
 }
 
-/// Newton stops at a residual of 1e-15 or so, the orbit errs by that times |(M - I)^-1|; near grazing, v = 0, both M and the
-/// condition grow like 1/v.
+/// Newton's method stops at a residual of about 1e-15, and the error of the orbit is that times |(M - I)^-1|. Near grazing, v
+/// = 0, both M and the condition grow like 1/v.
 double state_tolerance(const OneImpactOrbit& orbit) {
   const double along = std::abs(1.0 - orbit.multipliers[0]) * std::abs(1.0 - orbit.multipliers[1]);
   return 1e-13 * (1.0 + (1.0 + 1.0 / orbit.speed) / along);
@@ -73,7 +73,7 @@ TEST_CASE("shooting agrees with the closed form of orbits with one impact in n p
       CHECK((orbit.states[index] - states[index]).lpNorm<Eigen::Infinity>() < state_tolerance(closed));
     }
     REQUIRE(orbit.events.size() == 1);
-    // Its closed-form instant may lie a period or more after the state from which the orbit begins.
+    // The impact time of the closed form may be one or more periods after the state at which the orbit begins.
     const double T = closed.parameters.period(), late = std::remainder(orbit.events[0].t - closed.time, T);
     CHECK(std::abs(late) < (1.0 + 1.0 / closed.speed) * state_tolerance(closed));
     CHECK(std::abs(orbit.events[0].normal_speed - closed.speed) < 10.0 * state_tolerance(closed));
@@ -87,7 +87,7 @@ TEST_CASE("multipliers of orbits with one impact in n periods agree with trace a
     const PeriodicOrbit orbit = shoot_at(closed, 0.0);
     if (!orbit.converged()) return;  // counted above
     const double size = 1.0 + std::abs(closed.multipliers[0]);
-    // The large one changes by 1/v per unit of speed.
+    // The large multiplier changes by 1/v per unit of speed.
     for (std::size_t i = 0; i < 2; ++i)
       CHECK(std::abs(orbit.multipliers.values[i] - closed.multipliers[i]) <
             size * (1e-10 + state_tolerance(closed) / closed.speed));
@@ -111,9 +111,9 @@ TEST_CASE("with k_r 0 one multiplier is exactly zero and its exponent minus infi
   CHECK(count > 5);
 }
 
-TEST_CASE("with k_r above 0 no multiplier is taken for zero, however slow the impact") {
-  // Just below the grazing of the 1/1 orbit, where the barrier stands at the amplitude of the impactless motion: the saltation
-  // matrix has an entry of 1/speed.
+TEST_CASE("with k_r above 0 no multiplier is rounded to zero even for a slow impact") {
+  // Just below the grazing of the 1/1 orbit, where the barrier lies at the amplitude of the impactless motion. There the
+  // saltation matrix has an entry of 1/speed.
   OneImpactParameters q{0.05, 1.0, 0.7, 0.0, 0.8};
   int slow = 0;
   for (const double gap : {1e-2, 1e-4, 1e-6, 1e-8}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// verify_orbit: it agrees where all is right, and each check fails where what it looks at has been tampered with.
+// verify_orbit: all checks agree for a correct orbit. Each check fails if its own quantity is changed.
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/verify/orbit_verification.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -62,12 +62,12 @@ TEST_CASE("all checks agree on a node, on a focus, and on an impactless orbit") 
       CHECK(check.passes());
       CHECK(check.limit < 1e-3);
     }
-    // The tangent vectors of a node stand still once they are aligned: nothing but rounding is left.
+    // The aligned tangent vectors of a node no longer rotate: the only error is rounding.
     if (node) CHECK(check_of(verified, "exponents").disagreement < bound::exponent);
   }
 }
 
-TEST_CASE("what has been tampered with is found") {
+TEST_CASE("changed values are detected") {
   const auto [system, orbit] = settled_orbit("hertz", 0.925);
   const auto failing = [&](const PeriodicOrbit& changed) {
     std::vector<std::string> names;
@@ -97,7 +97,7 @@ TEST_CASE("what has been tampered with is found") {
 }
 
 TEST_CASE("the exponents of an unstable orbit are not averaged") {
-  // The doubled orbit's parent, past the period doubling at 0.9195.
+  // The parent of the doubled orbit, past the period doubling at 0.9195.
   const HybridSystem system = make_oscillator("linear", "hertz");
   Vector p = default_parameters(system.parameters);
   p[oscillator_parameter::eta] = 0.915;
@@ -111,7 +111,7 @@ TEST_CASE("the exponents of an unstable orbit are not averaged") {
   CHECK(verified.average.stop == LyapunovStop::not_run);
 }
 
-TEST_CASE("aligned tangent vectors: a node's average needs no long time") {
+TEST_CASE("aligned tangent vectors: the average at a node needs no long time") {
   const auto [system, orbit] = settled_orbit("hertz", 0.925);
   LyapunovOptions options;
   options.standard_error = 0.0;
@@ -123,14 +123,14 @@ TEST_CASE("aligned tangent vectors: a node's average needs no long time") {
     return std::abs(spectrum.exponents[0] - orbit.multipliers.exponents[0]);
   };
   CHECK(off() > 1e-4);  // ln kappa over the time is 8e-3
-  // |mu_2 / mu_1|^200 is beyond all rounding; 20 periods average rounding of 1e-15 a period.
+  // |mu_2 / mu_1|^200 is far below rounding; 20 periods average a rounding error of 1e-15 a period.
   options.aligning = 200;
   CHECK(off() < 1e-13);
   options.aligning = -1;
   CHECK_THROWS_WITH(off(), Contains("aligning is -1; allowed is a whole number >= 0"));
 }
 
-TEST_CASE("verify_orbit refuses what is no orbit") {
+TEST_CASE("verify_orbit refuses an invalid orbit") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   CHECK_THROWS_WITH(verify_orbit(system, {}), Contains("has no nodes"));
   const auto [same, orbit] = settled_orbit("hertz", 0.925);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Orbits of systems that are not the one-barrier oscillator, through the same calls: two degrees of freedom with two barriers,
+// Orbits of systems beyond the one-barrier oscillator, through the same calls: two degrees of freedom with two barriers,
 // autonomous limit cycles with impacts or switches, four states with known complex multipliers.
 #include <graze/floquet/attractor/settle.hpp>
 
@@ -20,7 +20,7 @@ using namespace graze::support;
 
 namespace {
 
-/// Everything that holds of any orbit. The finite differences are those of the general flow, of 1e-13 a step.
+/// Checks that apply to any orbit. The finite differences use the general flow with an error of 1e-13 a step.
 void check_proofs(const HybridSystem& system, const PeriodicOrbit& orbit) {
   CHECK(orbit.checks.residual < 1e-12);
   CHECK(orbit.checks.liouville >= 0.0);
@@ -38,7 +38,7 @@ PeriodicOrbit settled_orbit(const HybridSystem& system, const Vector& p, int per
   return shoot(system, p, settled.state, settled.suspected_period);
 }
 
-/// A rough state and duration of the limit cycle that a run from near the origin comes to.
+/// Approximate state and duration of the limit cycle of a run from near the origin.
 struct LimitCycle {
   Vector state;
   double duration;
@@ -51,7 +51,7 @@ LimitCycle settled_cycle(const HybridSystem& system, const Vector& p) {
 
 }  // namespace
 
-TEST_CASE("a two-degree-of-freedom orbit has four multipliers whose product Liouville knows") {
+TEST_CASE("the four multipliers of a two-degree-of-freedom orbit have the product given by Liouville") {
   const HybridSystem system = two_mass_oscillator();
   for (const auto& set : {std::pair{1.0, 0.9}, {2.0, 0.7}, {1.5, 1.3}}) {
     const Vector p = parameters(system, {{"xi", set.first}, {"eta", set.second}});
@@ -84,8 +84,8 @@ TEST_CASE("a two-degree-of-freedom orbit is the same for every number of nodes")
   }
 }
 
-TEST_CASE("with one of the coefficients of restitution 0 the orbit keeps as many multipliers as impacts leave") {
-  // Each impact on one mass forgets one direction; flights in between mix them.
+TEST_CASE("with one coefficient of restitution 0 a multiplier is exactly zero and the largest one is not") {
+  // Each impact on one mass removes one direction; the flights in between mix them.
   const HybridSystem system = two_mass_oscillator();
   const PeriodicOrbit orbit = settled_orbit(system, parameters(system, {{"k_r", 0.0}}));
   REQUIRE(orbit.converged());
@@ -95,11 +95,11 @@ TEST_CASE("with one of the coefficients of restitution 0 the orbit keeps as many
   CHECK(orbit.checks.liouville == -1.0);
 }
 
-TEST_CASE("multipliers of an uncoupled self-excited oscillator beside an impacting one have their closed form") {
+TEST_CASE("multipliers of a self-excited oscillator uncoupled from an impacting one have their closed form") {
   const HybridSystem system = driven_self_excited();
   for (const double mu : {-0.4, -0.1, 0.05}) {
     const Vector p = parameters(system, {{"mu", mu}});
-    // y = 0 is an orbit of the second oscillator, stable or not; the first settles by itself.
+    // y = 0 is an orbit of the second oscillator, stable or not; the first one settles by itself.
     Propagator propagator(system, p);
     Transition transition;
     Vector x = Vector::Zero(4);
@@ -123,7 +123,7 @@ TEST_CASE("multipliers of an uncoupled self-excited oscillator beside an impacti
   }
 }
 
-TEST_CASE("an autonomous orbit is found with its duration, and declares one trivial multiplier") {
+TEST_CASE("an autonomous orbit is found with its duration and declares one trivial multiplier") {
   const HybridSystem system = van_der_pol_stop();
   const Vector p = parameters(system);
   for (const int nodes : {1, 2, 5}) {
@@ -137,8 +137,8 @@ TEST_CASE("an autonomous orbit is found with its duration, and declares one triv
     REQUIRE(orbit.multipliers.values.size() == 2);
     CHECK(std::abs(orbit.multipliers.values[1] - 1.0) < 1e-10);
     check_proofs(system, orbit);
-    // Its duration is the return time of the impact, and the other multiplier the slope of the map from one impact speed to the
-    // next: by simulation.
+    // Its duration is the return time of the impact. The other multiplier is the slope of the map from one impact speed to the
+    // next, from a simulation.
     const auto next = [&](double speed) {
       const Trajectory run = simulate(system, p, 0.0, vector({1.2, -0.9 * speed}), {.t_end = 50.0, .max_events = 1});
       return std::pair{run.t, run.events.front().normal_speed};
@@ -152,7 +152,7 @@ TEST_CASE("an autonomous orbit is found with its duration, and declares one triv
   }
 }
 
-TEST_CASE("an autonomous orbit is the same from wherever on it one starts") {
+TEST_CASE("an autonomous orbit does not depend on the start along it") {
   const HybridSystem system = van_der_pol_stop();
   const Vector p = parameters(system);
   const LimitCycle guess = settled_cycle(system, p);
@@ -169,13 +169,13 @@ TEST_CASE("an autonomous orbit is the same from wherever on it one starts") {
   }
 }
 
-TEST_CASE("the limit cycle of a relay has its closed form: duration, state and multipliers") {
+TEST_CASE("the limit cycle of a relay agrees with its closed form in duration, state and multipliers") {
   const HybridSystem system = relay_feedback();
   for (const double w : {0.05, 0.2}) {
     for (const double a : {1.0, 2.5}) {
       const Vector p = parameters(system, {{"w", w}, {"a", a}});
       INFO("w " << w << " a " << a);
-      // Half a period h in mode "up" from x to -x: (I + e^{Ah}) x = -A^{-1} (e^{Ah} - I) B, and x1(h) = w decides h.
+      // Half a period h in mode "up" from x to -x: (I + e^{Ah}) x = -A^{-1} (e^{Ah} - I) B, and x1(h) = w determines h.
       Matrix A(3, 3);
       A << -a, a, 0.0, 0.0, -a, a, 0.0, 0.0, -a;
       const Vector B = vector({0.0, 0.0, a});
@@ -220,7 +220,7 @@ TEST_CASE("the limit cycle of a relay has its closed form: duration, state and m
   }
 }
 
-TEST_CASE("symmetric barriers give symmetric orbits, rigid and elastic") {
+TEST_CASE("symmetric barriers give symmetric orbits for rigid and elastic stops") {
   for (const bool rigid : {true, false}) {
     const HybridSystem system = two_sided_oscillator(rigid);
     const Vector p = parameters(system, {{"eta", 1.1}});
@@ -230,7 +230,7 @@ TEST_CASE("symmetric barriers give symmetric orbits, rigid and elastic") {
     check_proofs(system, orbit);
     CHECK(orbit.impacts == 2 * orbit.period);
     const Trajectory half = simulate(system, p, 0.0, orbit.state, {.t_end = 0.5 * forcing_period(system, p)});
-    // The shifted and reflected orbit is one, too; here it is the same.
+    // The shifted and reflected orbit is an orbit too; here it is the same.
     const PeriodicOrbit mirrored = shoot(system, p, Vector(-half.x), orbit.period);
     REQUIRE(mirrored.converged());
     CHECK(same_orbit(orbit, mirrored));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A forced system whose parameter is the period itself, not a frequency: its orbits are those of the same system with a
+// A forced system with the period itself as a parameter instead of a frequency. Its orbits are those of the same system with a
 // frequency.
 #include "support/checks.hpp"
 #include "support/system_texts.hpp"
@@ -11,7 +11,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("an orbit of a system with a period of its own is forced, and the same as with the frequency") {
+TEST_CASE("an orbit of a system with an explicit period is forced and the same as with the frequency") {
   SystemWriter writer;
   writer.system.name = "timed";
   writer.states({"x", "v"}).parameter("T", "7").parameter("r", "0.5").parameter("k_r", "0.7");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Eigenvalues of products of matrices whose eigenvalues are known: A_k = Q_k D_k Q_{k-1}^{-1} with Q_N = Q_0, so that the product
-// is Q_0 (D_N ... D_1) Q_0^{-1}. The Q are random, well conditioned and not orthogonal; everything is formed in long double and
-// then rounded.
+// Eigenvalues of products of matrices with known eigenvalues: A_k = Q_k D_k Q_{k-1}^{-1} with Q_N = Q_0, so that the product
+// is Q_0 (D_N ... D_1) Q_0^{-1}. The Q are random, well conditioned and not orthogonal. All matrices are formed in long double
+// and then rounded.
 #include <graze/floquet/orbit/multipliers.hpp>
 
 #include "support/checks.hpp"
@@ -68,7 +68,7 @@ Chain make_chain(int length, const std::vector<double>& real, const std::vector<
   return chain;
 }
 
-/// Largest relative error, each eigenvalue matched with the nearest one found.
+/// Largest relative error; each eigenvalue is matched with the nearest computed one.
 double relative_error(const Chain& chain) {
   std::vector<Complex> found = product_eigenvalues(chain.factors);
   if (found.size() != chain.eigenvalues.size()) return std::numeric_limits<double>::infinity();
@@ -83,19 +83,19 @@ double relative_error(const Chain& chain) {
   return worst;
 }
 
-/// Rounding a factor moves each eigenvalue by 1e-16 times the factor's condition, some 10 times the ratio of its sizes.
+/// Rounding a factor changes each eigenvalue by 1e-16 times the condition of the factor, some 10 times the ratio of its sizes.
 double tolerance(int length, double ratio) { return 1e-15 * length * 100.0 * ratio; }
 
 }  // namespace
 
-TEST_CASE("real eigenvalues of long products have relative accuracy, the smallest too") {
+TEST_CASE("real eigenvalues of long products have relative accuracy down to the smallest") {
   Random random(1);
   for (const int length : {1, 2, 3, 10, 60, 200}) {
     for (const std::vector<double>& sizes :
          {std::vector<double>{1.1, 0.4}, {1.0, 0.9}, {3.0, 1.0, 0.2}, {2.0, 1.0, 0.5, 0.25}, {2.0, 1.6, 1.2, 0.9, 0.6, 0.3}}) {
       const Chain chain = make_chain(length, sizes, {}, random);
       INFO(length << " factors of size " << sizes.size());
-      // Eigenvalues that have not parted lose a digit or two to each other.
+      // Eigenvalues that are not yet separated cost each other a digit or two.
       CHECK(relative_error(chain) < 100.0 * tolerance(length, sizes.front() / sizes.back()));
     }
   }
@@ -104,14 +104,14 @@ TEST_CASE("real eigenvalues of long products have relative accuracy, the smalles
 TEST_CASE("a product far beyond the range of its large eigenvalue keeps the small one") {
   Random random(2);
   const Chain chain = make_chain(150, {1.6, 0.08}, {}, random);
-  // 1e30 beside 1e-165: the plain product, in double or in long double, holds nothing of the latter.
+  // 1e30 beside 1e-165: the plain product, in double or in long double, has lost the latter.
   const std::vector<Complex> found = product_eigenvalues(chain.factors);
   CHECK(std::abs(chain.eigenvalues[1]) < 1e-150);
   CHECK(std::abs(found[1] - chain.eigenvalues[1]) < tolerance(150, 20.0) * std::abs(chain.eigenvalues[1]));
   CHECK(std::abs(found[0] - chain.eigenvalues[0]) < tolerance(150, 20.0) * std::abs(chain.eigenvalues[0]));
 }
 
-TEST_CASE("complex pairs come out beside real eigenvalues, larger and smaller") {
+TEST_CASE("complex pairs are found beside larger and smaller real eigenvalues") {
   Random random(3);
   for (const int length : {1, 2, 5, 30, 100}) {
     INFO(length << " factors");
@@ -124,7 +124,7 @@ TEST_CASE("complex pairs come out beside real eigenvalues, larger and smaller") 
   }
 }
 
-TEST_CASE("eigenvalues of random products have the product's trace and determinant") {
+TEST_CASE("eigenvalues of random products have the trace and the determinant of the product") {
   Random random(4);
   for (const Eigen::Index n : {2, 3, 4, 6}) {
     for (const int length : {1, 4, 12}) {
@@ -149,7 +149,7 @@ TEST_CASE("eigenvalues of random products have the product's trace and determina
       INFO(n << " x " << n << ", " << length << " factors");
       const double scale = static_cast<double>(product.cwiseAbs().maxCoeff());
       CHECK(std::abs(sum - static_cast<double>(product.trace())) < 1e-13 * scale * length);
-      // A random matrix may have a condition of 1e3, which the smallest eigenvalue feels.
+      // A random matrix may have a condition of 1e3, which affects the smallest eigenvalue.
       CHECK(std::abs(logs - static_cast<double>(log_det)) < 1e-11 * length);
     }
   }
@@ -163,20 +163,20 @@ TEST_CASE("a factor of deficient rank gives multipliers that are exactly zero") 
       std::vector<Matrix> factors;
       for (int k = 0; k < 7; ++k) {
         LongMatrix D = LongMatrix::Identity(n, n);
-        // As a reset has it, in the plain basis; or as a plastic collision of two masses has it, blurred by rounding.
+        // A singular factor in a random basis, as from a plastic collision of two masses: its zeros are subject to rounding.
         for (Eigen::Index i = rank; i < n && k == 3; ++i) D(i, i) = 0.0L;
         factors.push_back((random_basis(n, random) * D * random_basis(n, random)).cast<double>());
       }
       const std::vector<Complex> values = product_eigenvalues(factors);
       INFO(n << " x " << n << ", rank " << rank);
       CHECK(zeros(values) == n - rank);
-      // They stand last.
+      // The zeros are last.
       for (Eigen::Index i = rank; i < n; ++i) CHECK(values[static_cast<std::size_t>(i)] == 0.0);
     }
   }
 }
 
-TEST_CASE("a saltation matrix near grazing is not taken for singular") {
+TEST_CASE("a saltation matrix near grazing is not treated as singular") {
   // S of an impact with speed v: an entry of 2 a / v beside k_r.
   Matrix flight(2, 2), impact(2, 2);
   flight << 0.3, 0.8, -0.7, 0.5;
@@ -188,7 +188,7 @@ TEST_CASE("a saltation matrix near grazing is not taken for singular") {
     CHECK(values[0].real() == Approx(trace).epsilon(1e-6));
     CHECK(values[0].real() * values[1].real() == Approx(0.64 * flight.determinant()).epsilon(1e-13));
   }
-  // The same in one of two uncoupled oscillators.
+  // The same impact in one of two uncoupled oscillators.
   Matrix both = Matrix::Zero(4, 4), jump = Matrix::Identity(4, 4);
   both.topLeftCorner(2, 2) = flight;
   both.bottomRightCorner(2, 2) << 0.4, -0.6, 0.5, 0.45;
@@ -198,7 +198,7 @@ TEST_CASE("a saltation matrix near grazing is not taken for singular") {
   CHECK(logs == Approx(std::log(std::abs(both.determinant()) * 0.64)).epsilon(1e-10));
 }
 
-TEST_CASE("eigenvalues stand by decreasing modulus with conjugates together, where moduli are equal too") {
+TEST_CASE("eigenvalues are sorted by decreasing modulus with conjugates together for equal moduli too") {
   // Two uncoupled oscillators of equal damping: all four moduli are the same.
   Random random(6);
   for (int trial = 0; trial < 50; ++trial) {
@@ -246,7 +246,7 @@ TEST_CASE("multipliers of no factors or of a factor that is not finite are not v
 }
 
 TEST_CASE("an autonomous section declares its trivial multiplier and puts it last") {
-  // The field direction d is carried into itself; the other multipliers are 0.5 and 3.
+  // The matrix maps the field direction d to itself; the other multipliers are 0.5 and 3.
   Random random(7);
   const Matrix Q = random_basis(3, random).cast<double>();
   const Matrix M = Q * vector({1.0, 0.5, 3.0}).asDiagonal() * Q.inverse();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every orbit of data/reference.toml, found by shooting from beside it.
+// Every orbit of data/reference.toml, found by shooting from a nearby state.
 #include <graze/floquet/orbit/shooting.hpp>
 
 #include "support/checks.hpp"
@@ -14,14 +14,14 @@ using namespace graze::support;
 
 namespace {
 
-/// The 22 digits of the reference are good to all of a double's; Newton stops at the rounding of the map, a few 1e-15, and the
-/// orbit errs by that times |(M - I)^-1|, below 100 for all of them.
+/// The reference has 22 digits, more than a double. Newton's method stops at the rounding of the map, a few 1e-15, and the
+/// error of the orbit is that times |(M - I)^-1|, below 100 for all of them.
 constexpr double state_tolerance = 1e-12;
-/// Multipliers change with the state: measured for the period-24 orbit at 0.7116, whose state Newton leaves off by up to 3e-13
-/// (rounding 5e-15 of the map over the distance of its multipliers from 1), by 4e2 times that, 1.1e-10.
+/// Multipliers change with the state, by 4e2 times its error for the period-24 orbit at 0.7116. Newton's error there is up to
+/// 3e-13 (rounding 5e-15 of the map over the distance of the multipliers from 1), which gives 1.1e-10.
 constexpr double multiplier_tolerance = 3e-10;
 
-/// Off by 1e-5 in both entries. The windows of the long orbits are not much wider.
+/// Displaced by 1e-5 in both entries. The windows of the long orbits are not much wider.
 PeriodicOrbit shoot_beside(const ReferenceOrbit& reference, const ShootingOptions& options = {}) {
   const Vector start = reference.state + Vector(vector({-1e-5, 1e-5}));
   return shoot(reference.system, reference.parameters, start, reference.period, options);
@@ -40,7 +40,7 @@ double distance(const std::vector<std::complex<double>>& a, const std::vector<st
 
 }  // namespace
 
-TEST_CASE("shooting from beside every reference orbit comes to its state, period and number of impacts") {
+TEST_CASE("shooting from near every reference orbit finds its state, period and number of impacts") {
   for (const ReferenceOrbit& reference : reference_orbits()) {
     INFO(reference.name);
     const PeriodicOrbit orbit = shoot_beside(reference);
@@ -62,7 +62,7 @@ TEST_CASE("multipliers and exponents of every reference orbit agree with it") {
     CHECK(orbit.multipliers.trivial == 0);
     CHECK(orbit.multipliers.section == Section::stroboscopic);
     for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(orbit.multipliers.exponents[i] - reference.exponents[i]) < 1e-10);
-    // Those with a multiplier on the circle to rounding are neither stable nor unstable.
+    // A multiplier on the unit circle to rounding makes an orbit neither stable nor unstable.
     if (!reference.period_doubling) CHECK(orbit.stable() == (std::abs(reference.multipliers[0]) < 1.0));
   }
 }
@@ -72,7 +72,7 @@ TEST_CASE("the small multiplier of every reference orbit has relative accuracy")
     const PeriodicOrbit orbit = shoot_beside(reference);
     const std::complex<double> small = reference.multipliers[1];
     INFO(reference.name << ", " << small);
-    // ln|mu_2| = ln det - ln|mu_1|: as good as the large one, whatever the size of the small one.
+    // ln|mu_2| = ln det - ln|mu_1|: as accurate as the large one, for any size of the small one.
     CHECK(std::abs(orbit.multipliers.values[1] - small) <
           multiplier_tolerance * std::max(1.0, 1.0 / std::abs(reference.multipliers[0])) * std::abs(small));
   }
@@ -101,7 +101,7 @@ TEST_CASE("impact times and speeds of every reference orbit agree with it") {
       speeds.push_back(event.normal_speed);
     }
     REQUIRE(times.size() == reference.impact_times.size());
-    // An instant errs by that of the position over the speed; the weakest impact here has speed 0.0087.
+    // The error of an impact time is that of the position over the speed; the weakest impact here has speed 0.0087.
     for (std::size_t i = 0; i < times.size(); ++i) {
       CHECK(std::abs(times[i] - reference.impact_times[i]) < 1e-9);
       CHECK(std::abs(speeds[i] - reference.impact_speeds[i]) < 1e-10);
@@ -109,7 +109,7 @@ TEST_CASE("impact times and speeds of every reference orbit agree with it") {
   }
 }
 
-TEST_CASE("every reference orbit carries its proofs: residual, Liouville and finite differences") {
+TEST_CASE("every reference orbit has its proofs: residual, Liouville and finite differences") {
   for (const ReferenceOrbit& reference : reference_orbits()) {
     INFO(reference.name);
     const PeriodicOrbit orbit = shoot_beside(reference, {.finite_differences = true});
@@ -121,11 +121,11 @@ TEST_CASE("every reference orbit carries its proofs: residual, Liouville and fin
     const FiniteDifferenceCheck& differences = *orbit.checks.finite_difference;
     REQUIRE(differences.applicable);
     CHECK(differences.disagreement < std::max(1e-8, differences.error_estimate));
-    CHECK(differences.error_estimate < 1e-6);  // or the comparison would say nothing
+    CHECK(differences.error_estimate < 1e-6);  // otherwise the comparison would be meaningless
   }
 }
 
-TEST_CASE("single and multiple shooting find the same orbit, whatever the number of nodes") {
+TEST_CASE("single and multiple shooting find the same orbit for any number of nodes") {
   for (const ReferenceOrbit& reference : reference_orbits()) {
     const int n = reference.period;
     for (const int nodes : {1, n, 2 * n, 5 * n, n % 2 == 0 ? n / 2 : n}) {
@@ -135,7 +135,7 @@ TEST_CASE("single and multiple shooting find the same orbit, whatever the number
       CHECK(orbit.nodes.size() == static_cast<std::size_t>(nodes));
       CHECK(orbit.states.size() == static_cast<std::size_t>(n));
       CHECK(distance(orbit.state, reference.state) < state_tolerance);
-      // Within a stretch of many periods the errors grow as the motion's own do: that of 24 in one costs two digits.
+      // Within a stretch of many periods the errors grow like the motion's own: a stretch of 24 periods costs two digits.
       const double grown = nodes * 10 < n ? 100.0 : 1.0;
       CHECK(distance(orbit.multipliers.values, reference.multipliers) < grown * multiplier_tolerance);
       CHECK(orbit.impacts == reference.impacts);
@@ -153,7 +153,7 @@ TEST_CASE("the general integrator finds the same orbits as the closed form and t
     options.flow.kind = FlowKind::general;
     const PeriodicOrbit orbit = shoot_beside(reference, options);
     REQUIRE(orbit.converged());
-    // It meets the kink of (x - r)^(3/2) at each entry with steps as small as its tolerance of 1e-13 asks for.
+    // At each entry into contact, the kink of (x - r)^(3/2) forces steps that meet the tolerance of 1e-13.
     CHECK(distance(orbit.state, reference.state) < 1e-10);
     CHECK(distance(orbit.multipliers.values, reference.multipliers) < 1e-8);
     CHECK(orbit.impacts == reference.impacts);
@@ -163,7 +163,7 @@ TEST_CASE("the general integrator finds the same orbits as the closed form and t
 TEST_CASE("at eta 0.925 the damped Hertz 1/1 orbit has the published state and multipliers") {
   const ReferenceOrbit& reference = reference_orbit("hertz-damped-1/1-0.925");
   const PeriodicOrbit orbit = shoot_beside(reference);
-  // As printed in the issue, half a unit of its last digit.
+  // As printed in the issue, to half a unit of the last digit.
   CHECK(orbit.state[0] == Approx(2.049196636478).margin(5e-13).epsilon(0));
   CHECK(orbit.state[1] == Approx(1.428407518175).margin(5e-13).epsilon(0));
   CHECK(orbit.multipliers.values[0].real() == Approx(-0.94165004595).margin(5e-12).epsilon(0));

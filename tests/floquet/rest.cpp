@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A mass that rests on a pressed stop: told for what it is, however it is looked at, for impacts that lose energy and for some
-// that do not.
+// A mass at rest on a preloaded stop. It is recognised by every method, for impacts with and without energy loss.
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
@@ -27,7 +26,7 @@ const HybridSystem& rigid() {
   return system;
 }
 
-/// The stop at r = -1 is pressed by at least 0.3.
+/// A preload of at least 0.3 acts on the stop at r = -1.
 Vector pressed(double k_r, double b = 0.02) {
   return parameters(rigid(), {{"k_r", k_r}, {"b", b}, {"xi", 0.7}, {"eta", 0.8}, {"r", -1.0}});
 }
@@ -44,7 +43,7 @@ AttractorOptions quick() {
 
 }  // namespace
 
-TEST_CASE("a mass on a pressed stop rests for ever where the pressing never vanishes, and only there") {
+TEST_CASE("a mass on a preloaded stop rests forever only where the preload never vanishes") {
   for (const double xi : {0.0, 0.5, 0.999, -0.999, 1.001, -1.001, 1.5}) {
     INFO("xi " << xi);
     Vector p = pressed(0.8);
@@ -54,7 +53,7 @@ TEST_CASE("a mass on a pressed stop rests for ever where the pressing never vani
   }
 }
 
-TEST_CASE("what rests is an attractor with exponents minus infinity, and not undecided with exponent 0") {
+TEST_CASE("rest is an attractor with exponents minus infinity and not undecided with exponent 0") {
   for (const double k_r : {0.0, 0.5, 0.8, 0.99})
     for (const bool in_lanes : {true, false}) {
       INFO("k_r " << k_r << ", lanes " << in_lanes);
@@ -68,7 +67,7 @@ TEST_CASE("what rests is an attractor with exponents minus infinity, and not und
     }
 }
 
-TEST_CASE("the time average of a mass at rest is minus infinity, too") {
+TEST_CASE("the time average of a mass at rest is minus infinity too") {
   AttractorOptions options;
   options.transient = 20;
   options.periods_on_orbit = 100;
@@ -76,7 +75,7 @@ TEST_CASE("the time average of a mass at rest is minus infinity, too") {
   CHECK(found.time_average.exponents == std::vector<double>{minus_infinity, minus_infinity});
 }
 
-TEST_CASE("where impacts lose nothing a disturbance of rest dies out by damping alone, at -2b/3 and -4b/3") {
+TEST_CASE("with elastic impacts a disturbance of rest decays by damping alone at -2b/3 and -4b/3") {
   constexpr double b = 0.02;
   const Vector p = pressed(1.0, b);
   const Attractor found = find_each_attractor(rigid(), {{p, rest}}, quick()).front();
@@ -85,7 +84,7 @@ TEST_CASE("where impacts lose nothing a disturbance of rest dies out by damping 
   REQUIRE(found.exponents.size() == 2);
   CHECK(found.exponents[0] == Approx(-2.0 * b / 3.0).epsilon(1e-12));
   CHECK(found.exponents[1] == Approx(-4.0 * b / 3.0).epsilon(1e-12));
-  // The speed of a bouncing mass, from a simulation: at the same forcing phase, where the pressing is the same.
+  // The speed of a bouncing mass, from a simulation, at the same forcing phase: there the preload is the same.
   Propagator propagator(rigid(), p);
   const double T = forcing_period(rigid(), p);
   Vector x{{-1.0, -0.01}};
@@ -101,7 +100,7 @@ TEST_CASE("where impacts lose nothing a disturbance of rest dies out by damping 
   CHECK(std::log(speeds.back() / speeds.front()) / (periods * T) == Approx(-2.0 * b / 3.0).epsilon(0.02));
 }
 
-TEST_CASE("a mass that bounces ever lower on its pressed stop comes to rest, and is not lost") {
+TEST_CASE("a mass that bounces lower and lower on its preloaded stop reaches rest and is not lost") {
   for (const double k_r : {1.0, 0.9999, 0.9})
     for (const bool in_lanes : {true, false}) {
       INFO("k_r " << k_r << ", lanes " << in_lanes);
@@ -127,11 +126,11 @@ TEST_CASE("starts that end at rest are recognised at once") {
     REQUIRE(basins.attractors.size() == 1);
     CHECK(basins.attractors.front().attractor.rests);
     CHECK(basins.attractors.front().count == 64);
-    CHECK(basins.periods < 64 * 100);  // of 1000 that a start may take
+    CHECK(basins.periods < 64 * 100);  // of up to 1000 for a start
   }
 }
 
-TEST_CASE("where nothing dissipates, rest is neutral") {
+TEST_CASE("without dissipation rest is neutral") {
   const Attractor found = find_attractor(rigid(), pressed(1.0, 0.0), rest, {.transient = 10, .periods_on_orbit = 0});
   CHECK(found.rests);
   CHECK(found.conservative);

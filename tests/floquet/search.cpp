@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The measure of the global search: with two seeds it finds every orbit of period 1 to 4 that Newton from a dense grid of starts
-// finds, at three parameter sets. And what it makes of its options.
+// The benchmark of the global search: with two seeds it finds every orbit of period 1 to 4 that Newton's method finds from a
+// dense grid of starts, at three parameter sets. Also tested: its options.
 //
-// Recorded (period 1, 2, 3, 4), the grid being 60 x 60, 150 x 150 and 40 x 40 when the figures were taken and what time allows
-// here:
-//     damped Hertz, eta = 0.711 (chaos beside a stable 1/1 orbit)    1, 2, 0, 1   orbits
-//     Newton's law, eta = 0.744 (4/4 and 2/3 orbits coexist)         1, 1, 2, 1
-//     beam with Hertz contact, beta = 0, eta = 0.554                 1, 1, 2, 1
+// Recorded numbers of orbits of period 1, 2, 3, 4. They were found on grids of 60 x 60, 150 x 150 and 40 x 40 starts; the
+// grids here are smaller to save time.
+// damped Hertz, eta = 0.711 (chaos beside a stable 1/1 orbit)    1, 2, 0, 1
+// Newton's law, eta = 0.744 (4/4 and 2/3 orbits coexist)         1, 1, 2, 1
+// beam with Hertz contact, beta = 0, eta = 0.554                 1, 1, 2, 1
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -52,8 +52,8 @@ bool holds(const std::vector<PeriodicOrbit>& list, const PeriodicOrbit& orbit) {
   return std::any_of(list.begin(), list.end(), [&](const PeriodicOrbit& known) { return same_orbit(orbit, known, 1e-7); });
 }
 
-/// All orbits of least period n to which Newton (40 iterations, 12 halvings) comes from the middles of side x side cells of the
-/// box, by single and by multiple shooting in turn.
+/// All orbits of least period n that Newton's method (40 iterations, 12 halvings) finds from the centres of side x side cells
+/// of the box, alternately by single and by multiple shooting.
 std::vector<PeriodicOrbit> from_grid(const Known& known, int n, int side) {
   const SearchBox box = search_box(known.system, known.p);
   const Vector &lower = box.lower, &upper = box.upper;
@@ -92,12 +92,12 @@ void measure(const Known& known, int side) {
 
 }  // namespace
 
-TEST_CASE("the search finds what a dense grid finds: damped Hertz in chaos") { measure(damped_hertz(), 16); }
-TEST_CASE("the search finds what a dense grid finds: Newton's law with coexistence") { measure(elastic_newton(), 60); }
-TEST_CASE("the search finds what a dense grid finds: a beam") { measure(beam(), 12); }
+TEST_CASE("the search finds all orbits of a dense grid: damped Hertz in chaos") { measure(damped_hertz(), 16); }
+TEST_CASE("the search finds all orbits of a dense grid: Newton's law with coexistence") { measure(elastic_newton(), 60); }
+TEST_CASE("the search finds all orbits of a dense grid: a beam") { measure(beam(), 12); }
 
-TEST_CASE("the search finds the orbits with one impact that the closed form knows") {
-  // Unstable ones among them, and pairs from folds. Both orbits of a pair are looked for where they are admissible.
+TEST_CASE("the search finds the orbits with one impact of the closed form") {
+  // These include unstable orbits and pairs from folds. Both orbits of a pair are sought where they are admissible.
   const HybridSystem system = make_oscillator("linear", "newton");
   int looked_for = 0, unstable = 0;
   for (const double r : {0.7, 0.0, -0.4}) {
@@ -133,7 +133,7 @@ TEST_CASE("the search finds the orbits with one impact that the closed form know
   CHECK(unstable > 6);
 }
 
-TEST_CASE("orbits come without duplicates and without multiples of shorter ones, the most stable first") {
+TEST_CASE("orbits have no duplicates and no multiples of shorter ones and the most stable is first") {
   const Known known = elastic_newton();
   for (int n = 2; n <= 4; ++n) {
     const std::vector<PeriodicOrbit> orbits = search_orbits(known.system, known.p, n).orbits;
@@ -158,7 +158,7 @@ TEST_CASE("the same seed gives the same search") {
   for (std::size_t i = 0; i < first.orbits.size(); ++i) CHECK(first.orbits[i].state == second.orbits[i].state);
 }
 
-TEST_CASE("the search ends by patience, by its largest number of starts, or when it is cancelled, and says so") {
+TEST_CASE("the search reports its end: patience, largest number of starts, or cancellation") {
   const Known known = elastic_newton();
   const SearchResult patient = search_orbits(known.system, known.p, 1, {.patience = 100});
   CHECK(patient.complete);
@@ -166,18 +166,18 @@ TEST_CASE("the search ends by patience, by its largest number of starts, or when
   const SearchResult limited = search_orbits(known.system, known.p, 1, {.max_starts = 50});
   CHECK_FALSE(limited.complete);
   CHECK(limited.starts == 50);
-  // Cancelled after the first of the settled runs, which has met the stable 1/1 orbit.
+  // Cancelled after the first of the settled runs, which has found the stable 1/1 orbit.
   const HybridSystem hertz = make_oscillator("linear", "hertz");
-  int asked = 0;
+  int cancel_checks = 0;
   SearchOptions options;
-  options.cancelled = [&] { return ++asked > 2000; };
+  options.cancelled = [&] { return ++cancel_checks > 2000; };
   const SearchResult cancelled = search_orbits(hertz, parameters(hertz, {{"eta", 0.925}, {"b_H", 0.1}}), 1, options);
   CHECK_FALSE(cancelled.complete);
   CHECK(cancelled.starts < 2000);
   CHECK(cancelled.orbits.size() == 1);
 }
 
-TEST_CASE("progress of a search is told with every start") {
+TEST_CASE("progress of a search is reported with every start") {
   const Known known = elastic_newton();
   SearchOptions options;
   options.patience = 50;
@@ -195,9 +195,9 @@ TEST_CASE("progress of a search is told with every start") {
   CHECK(last_orbits == 1);
 }
 
-TEST_CASE("a box of the user's own is searched") {
+TEST_CASE("a user-defined box is searched") {
   const Known known = elastic_newton();
-  // The 2/3 orbit at (1.488, 1.730) and the 3/3 orbit at (1.604, 1.094), each with a box of its own.
+  // The 2/3 orbit at (1.488, 1.730) and the 3/3 orbit at (1.604, 1.094), each with its own box.
   for (const auto& [x, impacts] : {std::pair{vector({1.488, 1.730}), 2}, {vector({1.604, 1.094}), 3}}) {
     SearchOptions options;
     options.lower = x - Vector(vector({0.05, 0.05}));
@@ -209,7 +209,7 @@ TEST_CASE("a box of the user's own is searched") {
   }
 }
 
-TEST_CASE("the search box holds the motion, also where the barrier leaves no room near the origin") {
+TEST_CASE("the search box contains the motion even if the barrier leaves no room near the origin") {
   const HybridSystem rigid = make_oscillator("linear", "newton");
   for (const double r : {2.0, 0.0, -0.5, -3.0}) {
     INFO("r " << r);
@@ -223,7 +223,7 @@ TEST_CASE("the search box holds the motion, also where the barrier leaves no roo
   }
 }
 
-TEST_CASE("orbits that hit are found where the motion from rest stays far from the barrier") {
+TEST_CASE("orbits with impacts are found where the motion from rest stays far from the barrier") {
   const HybridSystem rigid = make_oscillator("linear", "newton"), hertz = make_oscillator("linear", "hertz");
   const std::vector<std::pair<const HybridSystem*, Vector>> systems = {
       {&rigid, parameters(rigid, {{"eta", 2.56}, {"b", 0.04687}, {"k_r", 0.84487}, {"r", 0.9758}})},
@@ -232,7 +232,7 @@ TEST_CASE("orbits that hit are found where the motion from rest stays far from t
       {&hertz, parameters(hertz, {{"eta", 2.56}, {"b", 0.04687}, {"b_H", 0.05}, {"r", 0.9758}})}};
   for (const auto& [system, p] : systems) {
     INFO("eta " << p.transpose());
-    // Closed form: without impact |x| <= 1/|1 - eta^2| (b is small), a quarter of the clearance at most.
+    // Closed form: without impact |x| <= 1/|1 - eta^2| (b is small), at most a quarter of the clearance.
     const SearchResult result = search_orbits(*system, p, 2, {.patience = 300});
     const bool found = std::any_of(result.orbits.begin(), result.orbits.end(), [](const PeriodicOrbit& orbit) {
       return orbit.impacts == 1 && orbit.stable() && orbit.admissible == Admissibility::admissible;
@@ -271,8 +271,8 @@ TEST_CASE("misuse of the search is refused in a sentence") {
                     "parameter k_r is 1.5; allowed is [0, 1]");
 }
 
-TEST_CASE("the search finds orbits that are in a stiff contact at phase 0, where the map bends sharply") {
-  // The 2/2 orbit just beyond the period doubling of the 1/1 orbit, in contact at phase 0 on one of its two turns.
+TEST_CASE("the search finds orbits in a stiff contact at phase 0 where the map is strongly curved") {
+  // The 2/2 orbit just beyond the period doubling of the 1/1 orbit, in contact at phase 0 in one of its two periods.
   const HybridSystem system = make_oscillator("linear", "linear");
   const Vector p = parameters(system, {{"b", 0.0112}, {"k_S", 5338.0}, {"eta", 1.0254}, {"r", 0.8234}});
   const SearchResult simple = search_orbits(system, p, 1), doubled = search_orbits(system, p, 2);
@@ -293,7 +293,7 @@ TEST_CASE("stable orbits are found from many starts, each once, at each of sever
   std::vector<Vector> values;
   for (const double eta : {2.3, 2.5, 2.7}) values.push_back(parameters(system, {{"r", 1.0}, {"k_r", 0.8}, {"eta", eta}}));
   const std::vector<PeriodicOrbit> found = search_stable_orbits(system, values);
-  // The orbit without impact, and one of an isola.
+  // The impactless orbit, and one of an isola.
   REQUIRE(found.size() == 6);
   for (const Vector& p : values) {
     std::multiset<std::pair<int, int>> kinds;
@@ -305,7 +305,7 @@ TEST_CASE("stable orbits are found from many starts, each once, at each of sever
       kinds.insert({orbit.impacts, orbit.period});
     }
     CHECK(kinds == std::multiset<std::pair<int, int>>{{0, 1}, {1, 2}});
-    // The full search has the same stable ones.
+    // The full search finds the same stable orbits.
     for (const int period : {1, 2})
       for (const PeriodicOrbit& orbit : search_orbits(system, p, period, {.patience = 500}).orbits) {
         if (!orbit.stable() || orbit.admissible != Admissibility::admissible) continue;

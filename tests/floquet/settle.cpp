@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Settled transients: what they settle on, how they end.
+// Settled transients: their attractors and their terminations.
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
@@ -21,7 +21,7 @@ const Vector rest = Vector::Zero(2);
 
 }  // namespace
 
-TEST_CASE("a settled run finds the period of the attractor, and Newton confirms it") {
+TEST_CASE("a settled run finds the period of the attractor and shooting confirms it") {
   struct Case {
     double eta, b_H;
     int period;
@@ -37,7 +37,7 @@ TEST_CASE("a settled run finds the period of the attractor, and Newton confirms 
     REQUIRE(orbit.converged());
     CHECK(orbit.period == c.period);
     CHECK(orbit.stable());
-    // The run has come to the orbit itself, as near as the recurrence said.
+    // The distance of the final state from the orbit agrees with the recurrence.
     CHECK((orbit.state - settled.state).lpNorm<Eigen::Infinity>() < 1e-5);
   }
 }
@@ -49,7 +49,7 @@ TEST_CASE("in chaos no period is suspected") {
   CHECK(settled.suspected_period == 0);
 }
 
-TEST_CASE("the state handed on is the one after the transient, not after the look at its recurrence") {
+TEST_CASE("the returned state is the one after the transient and not after the test for recurrence") {
   const Vector p = parameters(hertz(), {{"eta", 0.93}, {"b_H", 0.1}});
   const Vector start = vector({0.5, -0.2});
   const Settled settled = settle(hertz(), p, start, {.periods = 7});
@@ -64,7 +64,7 @@ TEST_CASE("the state handed on is the one after the transient, not after the loo
   CHECK(settled.suspected_period == 0);
 }
 
-TEST_CASE("a transient of no periods looks at the recurrence of the start") {
+TEST_CASE("a transient of zero periods tests the recurrence of the start") {
   const Vector p = parameters(hertz(), {{"eta", 0.91}, {"b_H", 0.1}});
   const PeriodicOrbit orbit = shoot(hertz(), p, vector({2.2377, 1.8827}), 2);
   const Settled settled = settle(hertz(), p, orbit.state, {.periods = 0});
@@ -73,11 +73,11 @@ TEST_CASE("a transient of no periods looks at the recurrence of the start") {
   CHECK(settled.state == orbit.state);
 }
 
-TEST_CASE("a settled run that is interrupted keeps what it has") {
-  int asked = 0;
+TEST_CASE("a settled run that is interrupted keeps its results so far") {
+  int cancel_checks = 0;
   SettleOptions options;
   options.periods = 100;
-  options.cancelled = [&] { return ++asked > 30; };
+  options.cancelled = [&] { return ++cancel_checks > 30; };
   const Vector p = parameters(hertz());
   const Settled settled = settle(hertz(), p, rest, options);
   CHECK(settled.termination == Termination::interrupted);
@@ -93,7 +93,7 @@ TEST_CASE("misuse of settle is refused in a sentence") {
                     "the state (2.5, 0) lies inside the barrier; start on the free side of it");
 }
 
-TEST_CASE("an autonomous motion settles in returns, right behind one of them") {
+TEST_CASE("an autonomous motion settles in returns and its state lies immediately after one") {
   const HybridSystem system = van_der_pol_stop();
   const Vector p = parameters(system);
   const Settled settled = settle(system, p, vector({0.5, 0.0}), {.periods = 100});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a motion is settling on: where chaos and a stable orbit stand side by side, and next to a period doubling.
+// The orbit on which a motion settles: where chaos and a stable orbit lie close together, and near a period doubling.
 #include <graze/floquet/attractor/near_doubling.hpp>
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/settle.hpp>
@@ -17,7 +17,7 @@ using namespace graze::support;
 
 namespace {
 
-/// At these parameters there are chaos (of a first exponent of 0.010) and a stable orbit 12/12, close to it and of a small basin.
+/// At these parameters chaos (largest exponent 0.010) coexists with a stable orbit 12/12, close to it and with a small basin.
 const HybridSystem& system_with_both() {
   static const HybridSystem system = make_oscillator("linear", "newton");
   return system;
@@ -28,7 +28,7 @@ Vector with_both() {
 const Vector chaotic = vector({1.8100099058373453, -0.86296494178271788});
 const Vector beside_orbit = vector({1.81898998, -0.8426422});
 
-/// After so many periods.
+/// The state after a number of periods.
 Vector later(const Vector& state, int periods) {
   SettleOptions options;
   options.periods = periods;
@@ -36,14 +36,14 @@ Vector later(const Vector& state, int periods) {
   return settle(system_with_both(), with_both(), state, options).state;
 }
 
-/// Where a motion of the damped Hertz oscillator is after so many periods.
+/// The state of the damped Hertz oscillator after a number of periods.
 Vector settled(const Vector& p, const Vector& start, int periods) {
   SettleOptions options;
   options.periods = periods;
   return settle(damped_hertz(), p, start, options).state;
 }
 
-/// Where it is a while after eta was changed from where it had settled.
+/// The state some time after eta was changed, from the settled state before.
 Vector after_change(double from, double to) {
   return settled(hertz_parameters(to), settled(hertz_parameters(from), vector({0.0, 0.0}), 20000), 300);
 }
@@ -51,8 +51,8 @@ Vector after_change(double from, double to) {
 constexpr int max_period = 8;
 constexpr double nearness = 2e-3;
 
-/// What each of the looks for an orbit says.
-std::vector<std::optional<PeriodicOrbit>> looked_for(const Vector& p, const Vector& start) {
+/// Results of each method of looking for an orbit.
+std::vector<std::optional<PeriodicOrbit>> orbits_by_each_method(const Vector& p, const Vector& start) {
   Propagator propagator(damped_hertz(), p);
   LaneCarrier many(damped_hertz(), {});
   OrbitSearchResult look;
@@ -71,8 +71,8 @@ Returns returns_from(const Vector& p, const Vector& start) {
 
 }  // namespace
 
-TEST_CASE("a motion that passes by a stable orbit is not settling on it") {
-  // It comes closer for twelve periods to an orbit whose multiplier halves distances twelve times faster.
+TEST_CASE("a motion that passes by a stable orbit does not count as settling on it") {
+  // For twelve periods the motion approaches the orbit. Its multiplier would halve distances twelve times faster.
   const auto orbit = settling_orbit(system_with_both(), with_both(), beside_orbit, 64);
   REQUIRE(orbit);
   CHECK(orbit->period == 12);
@@ -91,7 +91,7 @@ TEST_CASE("a motion that passes by a stable orbit is not settling on it") {
   CHECK_FALSE(settling_orbit(system_with_both(), with_both(), chaotic, 12));
 }
 
-TEST_CASE("motions that end, or whose tangents grow for long, are not worth a look") {
+TEST_CASE("motions that end or have a fast growing tangent are not searched for an orbit") {
   const Vector inside_barrier = vector({2.5, 0.0});
   const std::vector<Vector> states = {chaotic, beside_orbit, later(chaotic, 100), later(beside_orbit, 5), inside_barrier};
   const std::vector<Vector> left = settling_candidates(system_with_both(), with_both(), states);
@@ -100,28 +100,28 @@ TEST_CASE("motions that end, or whose tangents grow for long, are not worth a lo
   CHECK(left[1] == states[3]);
 }
 
-TEST_CASE("next to a period doubling a motion is known to settle on the orbit that doubles, from far off") {
-  // The doubled orbit of eta = 0.9195 begins to shrink at 0.91955, just past the doubling at 0.919542643, where the multiplier of
-  // the 1/1 orbit is -0.99993: that takes tens of thousands of periods.
+TEST_CASE("near a period doubling a motion is known from far off to settle on the orbit before the doubling") {
+  // The doubled orbit of eta = 0.9195 begins to shrink at 0.91955, just past the doubling at 0.919542643. There the multiplier
+  // of the 1/1 orbit is -0.99993, so that settling takes tens of thousands of periods.
   const Vector p = hertz_parameters(0.91955), start = after_change(0.9195, 0.91955);
   const Returns returns = returns_from(p, start);
   REQUIRE_FALSE(returns.periods.empty());
   CHECK(returns.periods.front() == 2);
 
-  const auto orbits = looked_for(p, start);
+  const auto orbits = orbits_by_each_method(p, start);
   const Vector late = settled(p, start, 60000);
   for (const auto& orbit : orbits) {
     REQUIRE(orbit);
     CHECK(orbit->period == 1);
     CHECK(std::abs(orbit->multipliers.values.front()) == Approx(1.0 - 7.5e-5).margin(1e-6));
     CHECK((orbit->state - orbits.front()->state).norm() < 1e-10);
-    // The free motion says the same, in its time.
+    // The plain motion gives the same result, in a longer time.
     CHECK((start - orbit->state).norm() > 0.01);
     CHECK((late - orbit->state).norm() < 1e-3);
   }
 }
 
-TEST_CASE("between the halves of a doubled orbit there is none to settle on where the one that doubles is unstable") {
+TEST_CASE("between the halves of a doubled orbit no settling is found if its parent is unstable") {
   const Vector p = hertz_parameters(0.9190);
   Propagator propagator(damped_hertz(), p);
   const Vector start = settled(p, vector({0.0, 0.0}), 3000);
@@ -130,9 +130,9 @@ TEST_CASE("between the halves of a doubled orbit there is none to settle on wher
   CHECK(orbit->period == 2);
 }
 
-TEST_CASE("behind a period doubling a motion is known to settle on the doubled orbit, from far off") {
-  // The doubled orbit of eta = 0.9194 shrinks to that of 0.9195, where the 1/1 orbit (multiplier -1.0004) is unstable since
-  // 0.919542643: Newton's method comes to that one.
+TEST_CASE("beyond a period doubling a motion is known from far off to settle on the doubled orbit") {
+  // The doubled orbit of eta = 0.9194 shrinks to that of 0.9195. There the 1/1 orbit (multiplier -1.0004) is unstable, since
+  // 0.919542643, but Newton's method converges to it.
   const Vector p = hertz_parameters(0.9195), start = after_change(0.9194, 0.9195);
   const Returns returns = returns_from(p, start);
   REQUIRE_FALSE(returns.periods.empty());
@@ -141,17 +141,17 @@ TEST_CASE("behind a period doubling a motion is known to settle on the doubled o
   CHECK((!by_newton.converged() || by_newton.period == 1));
 
   const Vector late = settled(p, start, 20000);
-  for (const auto& orbit : looked_for(p, start)) {
+  for (const auto& orbit : orbits_by_each_method(p, start)) {
     REQUIRE(orbit);
     CHECK(orbit->period == 2);
     CHECK(orbit->stable());
-    // The free motion says the same, in its time.
+    // The plain motion gives the same result, in a longer time.
     CHECK((start - orbit->state).norm() > 0.003);
     CHECK(std::min((late - orbit->states[0]).norm(), (late - orbit->states[1]).norm()) < 1e-6);
   }
 }
 
-TEST_CASE("the states of a doubled orbit are guessed from how a motion crosses the one that has doubled") {
+TEST_CASE("the states of a doubled orbit are estimated from the motion across its parent") {
   // x -> -(1 + e) x + x^3: the orbit that doubles is 0, its doubled one +-sqrt(e).
   const auto next = [](double x, double e) { return -(1.0 + e) * x + x * x * x; };
   for (const double e : {1e-5, 1e-3})
@@ -163,7 +163,7 @@ TEST_CASE("the states of a doubled orbit are guessed from how a motion crosses t
       CHECK(guess[0][0] == Approx(std::sqrt(e)).epsilon(20.0 * e));
       CHECK(guess[1][0] == Approx(-std::sqrt(e)).epsilon(20.0 * e));
     }
-  // What grows faster than the multiplier says is not on its way to a doubled orbit.
+  // A motion that grows faster than the multiplier is not on its way to a doubled orbit.
   CHECK(
       doubled_states<Vector>({vector({0.0})}, -1.001, {vector({0.1}), vector({-0.11}), vector({0.12}), vector({-0.13})}).empty());
   CHECK(has_doubled(3, -1.001, 6));
@@ -173,7 +173,7 @@ TEST_CASE("the states of a doubled orbit are guessed from how a motion crosses t
   CHECK_FALSE(has_doubled(3, -1.001, 3));
 }
 
-TEST_CASE("an orbit that a motion was seen to pass by is looked at again once the motion is much nearer") {
+TEST_CASE("an orbit refused once is tested again when the motion is much closer") {
   const std::vector<StatePair> orbit = {{1.0, 0.0}, {-1.0, 0.5}}, other = {{1.0, 1e-6}, {-1.0, 0.5001}};
   RefusedOrbits refused;
   CHECK_FALSE(refused.knows(orbit, vector({1.1, 0.0})));
@@ -184,7 +184,7 @@ TEST_CASE("an orbit that a motion was seen to pass by is looked at again once th
   CHECK_FALSE(refused.knows(orbit, vector({-0.96, 0.5})));
   CHECK_FALSE(refused.knows(other, vector({1.1, 0.0})));
 
-  // (The doubled orbit of eta = 0.9195 shrinks for long at 0.91955.)
+  // (At 0.91955 the doubled orbit of eta = 0.9195 shrinks slowly.)
   const Vector p = hertz_parameters(0.91955), start = after_change(0.9195, 0.91955);
   const auto look = [&](RefusedOrbits* known, std::size_t& carried) {
     LaneCarrier many(damped_hertz(), {});
@@ -203,7 +203,7 @@ TEST_CASE("an orbit that a motion was seen to pass by is looked at again once th
   from_here.add(found->states, start);
   from_far.add(found->states, vector({start[0] - 1.0, start[1]}));
   CHECK_FALSE(look(&from_here, some));
-  CHECK(some < all / 2);  // what takes longest is to see that the motion comes closer
+  CHECK(some < all / 2);  // most of the time is spent on checking that the motion approaches
   CHECK(look(&from_far, some));
   CHECK(some == all);
   Propagator propagator(damped_hertz(), p);
@@ -211,7 +211,7 @@ TEST_CASE("an orbit that a motion was seen to pass by is looked at again once th
   CHECK(orbit_of_close_returns(propagator, start, max_period, nearness, &from_far));
 }
 
-TEST_CASE("a look notes the orbits that the motion passes by") {
+TEST_CASE("a look for an orbit records the orbits that the motion passes by") {
   const auto orbit = settling_orbit(system_with_both(), with_both(), beside_orbit, 64);
   REQUIRE(orbit);
   RefusedOrbits refused;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Newton's method on the shooting equations: its history, its endings, what it makes of misuse; the shooting equations' Jacobian.
+// Newton's method on the shooting equations: its history, its terminations, its response to misuse, and the Jacobian.
 #include <graze/floquet/orbit/shooting.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
@@ -26,7 +26,7 @@ const HybridSystem& newton_law() {
 Vector damped(double eta) { return parameters(hertz(), {{"eta", eta}, {"b_H", 0.1}}); }
 const Vector near_1_1 = vector({2.0492, 1.4284});  // at eta 0.925, to 4 digits
 
-/// The sentence of a misuse; "nothing was thrown" if there was none.
+/// The message for a misuse; "nothing was thrown" if there was none.
 template <class Call> std::string refused(const Call& call) {
   try {
     call();
@@ -39,7 +39,7 @@ template <class Call> std::string refused(const Call& call) {
 }  // namespace
 
 TEST_CASE("Newton's residual history falls quadratically to rounding") {
-  // From 1 to 5 per cent away, single and multiple shooting, soft and hard contact.
+  // Starts 1 to 5 per cent away, single and multiple shooting, soft and hard contact.
   struct Start {
     const HybridSystem& system;
     Vector p, x;
@@ -61,8 +61,8 @@ TEST_CASE("Newton's residual history falls quadratically to rounding") {
       int quadratic = 0;
       for (std::size_t k = 0; k + 1 < history.size(); ++k) {
         CHECK(history[k + 1] <= history[k]);
-        // The constant is the curvature of the map over its slope: some 100, and 1000 where a hard impact has speed 0.3.
-        // Rounding is the floor.
+        // The constant is the curvature of the map over its slope: some 100, or 1000 for a hard impact of speed 0.3. Rounding
+        // is the floor.
         if (history[k] > 1e-4) continue;
         CHECK(history[k + 1] < 3000.0 * history[k] * history[k] + 1e-13);
         quadratic += history[k] > 1e-9 ? 1 : 0;
@@ -72,7 +72,7 @@ TEST_CASE("Newton's residual history falls quadratically to rounding") {
   }
 }
 
-TEST_CASE("an orbit that does not exist is a status with its history, not an exception") {
+TEST_CASE("an orbit that does not exist is a status with its history and not an exception") {
   // The damped Hertz oscillator has no orbit of period 3 at eta 0.711 (60 x 60 starts find none).
   const PeriodicOrbit orbit = shoot(hertz(), damped(0.711), vector({1.0, 0.5}), 3);
   CHECK_FALSE(orbit.converged());
@@ -83,14 +83,14 @@ TEST_CASE("an orbit that does not exist is a status with its history, not an exc
   CHECK(orbit.state.size() == 2);
 }
 
-TEST_CASE("Newton that may not iterate enough says so") {
+TEST_CASE("reaching the largest number of Newton iterations is a status") {
   const PeriodicOrbit orbit = shoot(hertz(), damped(0.925), vector({1.9, 1.2}), 1, {.max_iterations = 2});
   CHECK(orbit.newton.status == NewtonStatus::iteration_limit);
   CHECK(orbit.newton.iterations() == 2);
   CHECK(newton_status_text(orbit.newton.status) == "the largest number of iterations was reached");
 }
 
-TEST_CASE("an evaluation that fails is a status") {
+TEST_CASE("a failed evaluation is a status") {
   FlowOptions options;
   options.max_steps = 1;
   options.kind = FlowKind::general;
@@ -159,16 +159,16 @@ TEST_CASE("several states are a guess for multiple shooting, node by node") {
   CHECK(orbit.newton.residual_history.front() < 0.1);
 }
 
-TEST_CASE("an orbit of period n that closes after a divisor of n comes back with its least period") {
+TEST_CASE("an orbit of period n that closes after a divisor of n is returned with its least period") {
   for (const int n : {2, 3, 4, 6, 12}) {
-    INFO("asked for period " << n);
+    INFO("requested period " << n);
     const PeriodicOrbit orbit = shoot(hertz(), damped(0.925), near_1_1, n);
     REQUIRE(orbit.converged());
     CHECK(orbit.period == 1);
     CHECK(orbit.nodes.size() == 1);
     CHECK(std::abs(orbit.multipliers.values[0].real() + 0.94165004595) < 1e-10);
   }
-  // A 1/2 orbit asked for as period 4, with 2, 4 and 8 nodes.
+  // A 1/2 orbit with requested period 4, with 2, 4 and 8 nodes.
   for (const int nodes : {1, 2, 4, 8}) {
     INFO(nodes << " nodes");
     const PeriodicOrbit orbit = shoot(hertz(), damped(0.91), vector({2.2377, 1.8827}), 4, {.nodes = nodes});
@@ -178,7 +178,7 @@ TEST_CASE("an orbit of period n that closes after a divisor of n comes back with
   }
 }
 
-TEST_CASE("on request an orbit keeps the period it was asked for, with multipliers to that power") {
+TEST_CASE("on request an orbit keeps the requested period and its multipliers are raised to that power") {
   const PeriodicOrbit once = shoot(hertz(), damped(0.925), near_1_1, 1);
   const PeriodicOrbit thrice = shoot(hertz(), damped(0.925), near_1_1, 3, {.reduce_period = false});
   REQUIRE(thrice.converged());
@@ -190,8 +190,8 @@ TEST_CASE("on request an orbit keeps the period it was asked for, with multiplie
   }
 }
 
-TEST_CASE("a doubled orbit next to its birth is not taken for its parent") {
-  // Its two states stand 17.7 sqrt(distance in eta) apart: 0.0056 at the last of these, where the parent all but closes the gap.
+TEST_CASE("a doubled orbit near its birth is not taken for its parent") {
+  // Its two states are 17.7 sqrt(distance in eta) apart: 0.0056 at the last of these, where the parent almost closes the gap.
   for (const double below : {1e-5, 1e-6, 1e-7}) {
     const double eta = 0.919542643087348 - below;
     const PeriodicOrbit parent = shoot(hertz(), damped(eta), vector({2.05188, 1.39547}), 1);
@@ -204,14 +204,14 @@ TEST_CASE("a doubled orbit next to its birth is not taken for its parent") {
     REQUIRE(doubled.period == 2);
     CHECK_FALSE(same_orbit(parent, doubled));
     CHECK((doubled.states[0] - doubled.states[1]).norm() == Approx(17.7 * std::sqrt(below)).epsilon(0.02));
-    // And asked for as period 4 it is the doubled one again, not the parent.
+    // With requested period 4 the result is again the doubled orbit, not the parent.
     const PeriodicOrbit again = shoot(hertz(), damped(eta), doubled.state, 4);
     CHECK(again.period == 2);
     CHECK(same_orbit(again, doubled));
   }
 }
 
-TEST_CASE("same_orbit knows an orbit met at another of its periods and tells different ones apart") {
+TEST_CASE("same_orbit recognises an orbit from another of its periods and distinguishes different ones") {
   const Vector p = parameters(newton_law(), {{"eta", 0.744}});
   const PeriodicOrbit orbit = shoot(newton_law(), p, vector({1.904, -0.703}), 4);
   REQUIRE(orbit.period == 4);
@@ -232,7 +232,7 @@ TEST_CASE("same_orbit knows an orbit met at another of its periods and tells dif
   CHECK_FALSE(same_orbit(orbit, other));
 }
 
-TEST_CASE("events of an orbit run on from phase 0 whatever the nodes are") {
+TEST_CASE("events of an orbit are listed from phase 0 for any nodes") {
   const Vector p = parameters(newton_law(), {{"eta", 0.744}});
   const PeriodicOrbit orbit = shoot(newton_law(), p, vector({1.904, -0.703}), 4);
   REQUIRE(orbit.converged());
@@ -248,8 +248,8 @@ TEST_CASE("events of an orbit run on from phase 0 whatever the nodes are") {
   }
 }
 
-TEST_CASE("the shooting equations' Jacobian agrees with central differences") {
-  // With every parameter in turn as the last column, whose change moves the stretches' times (eta) or their fields and resets.
+TEST_CASE("the Jacobian of the shooting equations agrees with central differences") {
+  // Each parameter in turn is the last column. Its change affects the times of the stretches (eta) or their fields and resets.
   struct Point {
     const HybridSystem& system;
     Vector p, x;
@@ -261,7 +261,7 @@ TEST_CASE("the shooting equations' Jacobian agrees with central differences") {
     for (const int nodes : {1, 2, 6}) {
       for (std::size_t active = 0; active < point.system.parameters.size(); ++active) {
         if (point.system.parameters[active].name == "k_r" || point.system.parameters[active].name == "b_H")
-          continue;  // at an end
+          continue;  // at an end of its range
         ShootingEquations equations(point.system, point.p, point.period, nodes, active);
         const auto residual_at = [&](const Vector& z) {
           Vector q = point.p, r;

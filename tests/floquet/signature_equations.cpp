@@ -25,7 +25,7 @@ Vector unknowns_of(const PeriodicOrbit& orbit) {
   return u;
 }
 
-/// Jacobian in all unknowns and the parameter against central differences.
+/// Jacobian in all unknowns and the parameter, against central differences.
 JacobianCheck check(SignatureEquations& equations, const Vector& u, std::size_t parameter) {
   const Vector p = equations.parameters();
   const auto index = static_cast<Eigen::Index>(parameter);
@@ -45,7 +45,7 @@ JacobianCheck check(SignatureEquations& equations, const Vector& u, std::size_t 
   return result;
 }
 
-/// The impactless orbit at its grazing (DESIGN section 2) with its touch as an event of speed zero.
+/// The impactless orbit at its grazing (DESIGN section 2), with its touch as an event of zero speed.
 struct AtGrazing {
   HybridSystem system = make_oscillator("linear", "newton");
   Vector p = parameters(system, {{"b", 0.05}, {"xi", 1.0}, {"r", 2.0}, {"k_r", 0.8}});
@@ -62,7 +62,7 @@ struct AtGrazing {
 
 }  // namespace
 
-TEST_CASE("signature equations: the reference orbits with hard impacts are roots, with the same multipliers") {
+TEST_CASE("signature equations: the reference orbits with hard impacts are roots with the same multipliers") {
   int seen = 0;
   for (const ReferenceOrbit& reference : reference_orbits()) {
     if (reference.system.events.front().kind != EventKind::impact || reference.period_doubling) continue;
@@ -79,7 +79,7 @@ TEST_CASE("signature equations: the reference orbits with hard impacts are roots
       const Vector u = unknowns_of(orbit);
       Vector residual;
       REQUIRE(equations.evaluate(u, residual, nullptr));
-      CHECK(residual.lpNorm<Eigen::Infinity>() < 1e-11);  // the flows' 1e-13, over long flights
+      CHECK(residual.lpNorm<Eigen::Infinity>() < 1e-11);  // the error of the flows is 1e-13, amplified by long flights
       CHECK_FALSE(equations.violation(u));
       const JacobianCheck jacobian = check(equations, u, parameter);
       INFO(jacobian.message);
@@ -117,13 +117,13 @@ TEST_CASE("signature equations: smooth through zero speed") {
   const auto lost = equations.violation(at.u);
   REQUIRE(lost);
   CHECK(lost->lost);
-  // The speed's gradient: along the velocity it is one, along the instant the acceleration's change.
+  // The gradient of the speed: one along the velocity, and along the time the change of the acceleration.
   const Vector gradient = equations.speed_gradient(at.u, 0);
   CHECK(gradient[2] == Approx(1.0));
 }
 
-TEST_CASE("signature equations: a flight through the barrier is told") {
-  // Newton's 2/2 orbit with one of its impacts left out of the signature passes through the barrier there.
+TEST_CASE("signature equations: a flight through the barrier is reported") {
+  // Newton's 2/2 orbit with one of its impacts missing from the signature: it passes through the barrier there.
   const ReferenceOrbit& reference = reference_orbit("newton-elastic-4/4-0.744");
   const PeriodicOrbit orbit = shoot(reference.system, reference.parameters, reference.state, reference.period);
   REQUIRE(orbit.events.size() == 4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Orbits that chatter and stick (Newton's law, k_r < 1, low frequency): found, with multipliers that are exactly zero.
+// Orbits that chatter and stick (Newton's law, k_r < 1, low frequency). Their multipliers are exactly zero.
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/lib/models/oscillator.hpp>
@@ -50,7 +50,7 @@ TEST_CASE("a sticking orbit is found with both multipliers exactly zero") {
   }
 }
 
-TEST_CASE("the events of a sticking orbit tell where it sticks and where it is released") {
+TEST_CASE("the events of a sticking orbit include the sticking and the release") {
   const PeriodicOrbit orbit = sticking_orbit(0.5);
   REQUIRE(orbit.converged());
   int sticks = 0, releases = 0;
@@ -58,7 +58,7 @@ TEST_CASE("the events of a sticking orbit tell where it sticks and where it is r
     if (event.kind == EventKind::stick) ++sticks;
     if (event.kind != EventKind::release) continue;
     ++releases;
-    // Where the pressing force xi cos(eta t) - r falls through zero.
+    // Release: the contact force xi cos(eta t) - r falls through zero.
     CHECK(event.t == Approx(std::acos(0.5) / 0.4).epsilon(1e-13));
     CHECK(event.x_plus[0] == 0.5);
     CHECK(event.x_plus[1] == 0.0);
@@ -67,7 +67,7 @@ TEST_CASE("the events of a sticking orbit tell where it sticks and where it is r
   CHECK(releases == 1);
 }
 
-TEST_CASE("a sticking orbit away from the published parameters is released where the force falls below the clearance") {
+TEST_CASE("a sticking orbit beyond the published parameters is released where the force falls below the clearance") {
   const Vector p = parameters(rigid(), {{"k_r", 0.6}, {"eta", 0.3}, {"r", 1.0}, {"b", 0.1}, {"xi", 1.7}});
   const Settled settled = settle(rigid(), p, Vector::Zero(2), {.periods = 20});
   const PeriodicOrbit orbit = shoot(rigid(), p, settled.state, 1);
@@ -85,8 +85,8 @@ TEST_CASE("a sticking orbit away from the published parameters is released where
   CHECK(orbit.multipliers.values[1] == 0.0);
 }
 
-TEST_CASE("where the force never presses the mass against the barrier no orbit sticks") {
-  // xi = r: the pressing force touches zero at phase 0 and is negative elsewhere.
+TEST_CASE("no orbit sticks if the force never presses the mass against the barrier") {
+  // xi = r: the contact force touches zero at phase 0 and is negative elsewhere.
   const Vector p = parameters(rigid(), {{"k_r", 0.5}, {"eta", 0.4}, {"r", 1.0}});
   const Settled settled = settle(rigid(), p, Vector::Zero(2), {.periods = 50});
   const PeriodicOrbit orbit = shoot(rigid(), p, settled.state, 1);
@@ -112,7 +112,7 @@ TEST_CASE("the search finds a sticking orbit once") {
   CHECK(result.complete);
 }
 
-TEST_CASE("a mass held against its stop for good: a disturbance is forgotten by impacts that lose energy, else damped") {
+TEST_CASE("a mass held against its stop forever: a disturbance vanishes with inelastic impacts and is damped otherwise") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector held{{-2.0, 0.0}};
   const PeriodicOrbit forgetful = shoot(system, parameters(system, {{"r", -2.0}, {"k_r", 0.5}, {"xi", 0.3}}), held, 1);
@@ -124,12 +124,12 @@ TEST_CASE("a mass held against its stop for good: a disturbance is forgotten by 
   REQUIRE(lossless.multipliers.valid);
   CHECK(lossless.stable());
   CHECK(lossless.rests);
-  // Of a bouncing mass: speed and height at e^(-2 b t / 3) and e^(-4 b t / 3).
+  // Speed and height of a bouncing mass decay as e^(-2 b t / 3) and e^(-4 b t / 3).
   CHECK(lossless.multipliers.exponents[0] == Approx(-2.0 * 0.05 / 3.0).epsilon(1e-12));
   CHECK(lossless.multipliers.exponents[1] == Approx(-4.0 * 0.05 / 3.0).epsilon(1e-12));
 }
 
-TEST_CASE("strong damping: a multiplier far below the rounding of its matrix is that of Liouville's identity") {
+TEST_CASE("strong damping: a multiplier far below the rounding of its matrix follows from Liouville's identity") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b", 5.0}, {"eta", 0.95}});
   const PeriodicOrbit orbit = shoot(system, p, Vector{{0.0, 0.0}}, 1);
@@ -139,14 +139,14 @@ TEST_CASE("strong damping: a multiplier far below the rounding of its matrix is 
   const double T = forcing_period(system, p), root = std::sqrt(24.0);
   CHECK(orbit.multipliers.values[0].real() == Approx(std::exp((-5.0 + root) * T)).epsilon(1e-13));
   CHECK(orbit.multipliers.values[1].real() == Approx(std::exp((-5.0 - root) * T)).epsilon(1e-11));
-  CHECK(orbit.checks.liouville == -1.0);  // the entries no longer hold the determinant: nothing to compare
+  CHECK(orbit.checks.liouville == -1.0);  // the entries no longer determine the determinant: no comparison
 }
 
 namespace {
 
 HybridSystem made(const SystemWriter& writer) { return equations::make_system(writer.system).system; }
 
-/// The orbit that a motion from this start settles on.
+/// The orbit on which a motion from this start settles.
 PeriodicOrbit orbit_from(const HybridSystem& system, const Vector& start, int settle_for = 200) {
   const Vector p = default_parameters(system.parameters);
   const Settled settled = settle(system, p, start, {.periods = settle_for});
@@ -170,14 +170,14 @@ SystemWriter pair_held_together() {
 
 }  // namespace
 
-TEST_CASE("dry friction that holds all along has a multiplier that is exactly zero (fixed)") {
+TEST_CASE("dry friction that holds all the time gives a multiplier that is exactly zero (fixed)") {
   const HybridSystem system = made(pair_held_together());
   const PeriodicOrbit orbit = orbit_from(system, vector({0.1, 0.0, 0.0, 0.0}));
   REQUIRE(orbit.events.empty());
   const double T = 2.0 * std::numbers::pi / 0.7, delta = 0.2 / 6.0, omega = std::sqrt(1.0 - delta * delta);
   const auto& mu = orbit.multipliers.values;
   REQUIRE(mu.size() == 4);
-  // The distance between them is kept, and their common motion is a linear oscillator.
+  // Their distance is constant, and their common motion is a linear oscillator.
   CHECK(std::abs(mu[0] - 1.0) < 1e-12);
   CHECK(std::abs(mu[1] - std::polar(std::exp(-delta * T), std::abs(std::remainder(omega * T, 2.0 * std::numbers::pi)))) < 1e-11);
   CHECK(std::abs(mu[2] - std::conj(mu[1])) < 1e-15);
@@ -185,8 +185,8 @@ TEST_CASE("dry friction that holds all along has a multiplier that is exactly ze
   CHECK(orbit.multipliers.exponents[3] == -std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("a disturbance off what friction holds changes the motion as the first-order map says") {
-  // By runs that slip first: the slip lasts for a time in proportion to the disturbance.
+TEST_CASE("the response to a disturbance against static friction agrees with the first-order map") {
+  // The reference runs slip first, for a time proportional to the disturbance.
   const HybridSystem system = made(pair_held_together());
   const Vector p = default_parameters(system.parameters), start = vector({0.1, 0.3, -0.2, -0.2});
   Propagator propagator(system, p);
@@ -206,12 +206,12 @@ TEST_CASE("a disturbance off what friction holds changes the motion as the first
       side.col(sign > 0 ? 1 : 0) = moved.x1;
     }
     INFO("state " << k);
-    // The way that is slipped is of the square of the disturbance, with its sign: an error in proportion to h.
+    // The slipped distance grows with the square of the disturbance, with its sign: an error proportional to h.
     CHECK(((side.col(1) - side.col(0)) / (2.0 * h) - base.Phi.col(k)).lpNorm<Eigen::Infinity>() < (k < 2 ? 1e-8 : h));
   }
 }
 
-TEST_CASE("a mass that a moving belt holds follows a change of the belt's speed") {
+TEST_CASE("a mass held by a moving belt follows a change of the belt speed") {
   SystemWriter writer;
   writer.system.name = "belt";
   writer.forcing("eta").parameter("eta", "1").parameter("speed", "0.3").parameter("mu", "2");
@@ -222,13 +222,13 @@ TEST_CASE("a mass that a moving belt holds follows a change of the belt's speed"
   Transition transition;
   carry(propagator, 0.0, 4.0, start, {.sensitivity = Sensitivity::state_and_parameters}, transition);
   REQUIRE(transition.event_sequence.empty());
-  // x = x0 + speed t, whatever its own speed was at first.
+  // x = x0 + speed t, for any initial speed of the mass.
   CHECK((transition.Phi - Matrix{{1.0, 0.0}, {0.0, 0.0}}).cwiseAbs().maxCoeff() < 1e-14);
   CHECK((transition.Psi.col(0) - vector({4.0, 1.0})).cwiseAbs().maxCoeff() < 1e-12);
 }
 
-TEST_CASE("an orbit that slides on a surface all along has a multiplier that is exactly zero (fixed)") {
-  // On y = 0.1 x both fields point to it: y' = -+1; along it x' = cos(t) - x - 0.2 (y' = 0.1 x' there).
+TEST_CASE("an orbit that slides on a surface all the time has a multiplier that is exactly zero (fixed)") {
+  // On y = 0.1 x both fields point to the surface: y' = -+1. Along it x' = cos(t) - x - 0.2 (y' = 0.1 x' there).
   SystemWriter writer;
   writer.system.name = "slide";
   writer.states({"x", "y"}).forcing("eta").parameter("eta", "1");
@@ -241,7 +241,7 @@ TEST_CASE("an orbit that slides on a surface all along has a multiplier that is 
   CHECK(orbit.multipliers.values[1] == 0.0);
 }
 
-TEST_CASE("a mass that a stop holds while another one hits its own has two multipliers that are exactly zero (fixed)") {
+TEST_CASE("a mass held by its stop while another one hits its own has two multipliers that are exactly zero (fixed)") {
   const auto writer = [](bool with_held_mass) {
     SystemWriter out;
     out.system.name = "two";

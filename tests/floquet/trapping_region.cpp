@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What recognises an attractor before the motion has settled on it: trapping regions of orbits, cells visited by chaos.
+// Recognition of an attractor before the motion has settled on it: trapping regions of orbits, and the cells visited by chaos.
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/basins/trapping_region.hpp>
 #include <graze/floquet/basins/visited_cells.hpp>
@@ -28,7 +28,7 @@ PeriodicOrbit settled_orbit(const HybridSystem& system, const Vector& p, const V
   return orbit;
 }
 
-/// Points spread over the region round state k.
+/// Points spread over the region around state k.
 std::vector<Vector> inside(const TrappingRegion& region, std::size_t k, int count) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -44,7 +44,7 @@ std::vector<Vector> inside(const TrappingRegion& region, std::size_t k, int coun
   return points;
 }
 
-/// From everywhere in the region the motion never leaves it, and comes to the orbit at the rate of its multipliers.
+/// From every point in the region the motion never leaves it and converges to the orbit at the rate of its multipliers.
 void check_trap(const HybridSystem& system, const Vector& p, const PeriodicOrbit& orbit) {
   const TrappingRegion region = trapping_region(system, p, orbit.state, orbit.period);
   REQUIRE(region.size > 0.0);
@@ -64,14 +64,14 @@ void check_trap(const HybridSystem& system, const Vector& p, const PeriodicOrbit
         x = transition.x1;
       }
       CHECK(stays);
-      // Shrunk ten thousand times by the slowest multiplier; the region's eccentricity may eat a part of it.
+      // Ten thousand times smaller by the slowest multiplier; the eccentricity of the region may cost a part of it.
       CHECK(region.distance(x) < 1e-2 * region.size + 1e-11);
     }
 }
 
 }  // namespace
 
-TEST_CASE("from everywhere in a trapping region the motion comes to its orbit") {
+TEST_CASE("from every point of a trapping region the motion converges to its orbit") {
   const HybridSystem hertz = make_oscillator("linear", "hertz"), newton = make_oscillator("linear", "newton");
   const Vector rest = Vector::Zero(2);
   SECTION("impactless") {
@@ -101,7 +101,7 @@ TEST_CASE("from everywhere in a trapping region the motion comes to its orbit") 
   }
 }
 
-TEST_CASE("the ellipses of a trapping region hold what it holds, and hardly more") {
+TEST_CASE("the ellipses of a trapping region enclose it closely") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.95}, {"r", 2.0}, {"k_r", 1.0}, {"b", 0.05}});
   const PeriodicOrbit orbit = settled_orbit(system, p, vector({0.0, 0.0}));
@@ -129,8 +129,8 @@ TEST_CASE("the trapping region of the impactless orbit is free of impacts and no
   const Vector state = steady_response(p);
   const double gap = p[oscillator_parameter::r] - std::hypot(state[0], state[1] / p[oscillator_parameter::eta]);
   const TrappingRegion region = trapping_region(system, p, state, 1);
-  // All states of the shell tried, 2 size, are within 2 size of the orbit, and a free displacement grows at most by
-  // (1 + b) / (1 - b) = 1.1: what is below gap / 2.2 must pass, and the search halves.
+  // All tested states of the shell, of size 2 size, are within 2 size of the orbit. A free displacement grows at most by (1 +
+  // b) / (1 - b) = 1.1. A size below gap / 2.2 must therefore pass, and the search halves.
   CHECK(region.size > gap / 4.5);
   for (const Vector& x : inside(region, 0, 200))
     CHECK(simulate(system, p, 0.0, x, {.t_end = 3.0 * forcing_period(system, p)}).events.empty());
@@ -147,7 +147,7 @@ TEST_CASE("an unstable orbit has no trapping region") {
   CHECK_FALSE(region.holds(orbit.state));
 }
 
-TEST_CASE("a chaotic motion is known again by the cells it visits, a periodic one among them is not taken for it") {
+TEST_CASE("chaos is recognised by its visited cells and a periodic motion among them is not taken for it") {
   // Henon's map; its attractor has dimension 1.26.
   const auto henon = [](Vector x, int count, int skip) {
     std::vector<Vector> states;
@@ -159,7 +159,7 @@ TEST_CASE("a chaotic motion is known again by the cells it visits, a periodic on
   };
   const VisitedCells cells(henon(Vector{{0.1, 0.1}}, 20000, 100));
   const std::vector<Vector> other = henon(Vector{{-0.3, 0.2}}, 2000, 20);
-  CHECK(cells.share(other) > 0.99);  // 0.999 of its own second half
+  CHECK(cells.share(other) > 0.99);  // 0.999 for its own second half
   CHECK(cells.count() > 100);        // 64 cells across would be 64^1.26 = 190 of them, 32 across 80
   CellResidence strand;
   int recognised = 0;

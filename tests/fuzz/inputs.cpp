@@ -52,7 +52,7 @@ Said run(Arguments arguments) {
   return {code, out.str(), err.str()};
 }
 
-/// What a command writes, which has to be something.
+/// The output of a command, which must not be empty.
 std::string written(Arguments arguments, const char* option = "--json") {
   arguments.insert(arguments.end(), {option, "-"});
   Said said = run(arguments);
@@ -163,7 +163,7 @@ Kind problems() {
   return kind;
 }
 
-/// That of a diagram takes a second; this is one of the options below with most of its points left out.
+/// A real diagram takes a second. This file has the options below and fewer points.
 std::string diagram() { return read(GRAZE_FUZZ_SEEDS "/diagram.json"); }
 Arguments diagram_arguments() {
   return {"diagram",        problem("newton-elastic"),
@@ -202,7 +202,7 @@ Kind plotted() {
     return list;
   };
   kind.take = [](const std::string& text) {
-    // Words are placed in pictures by a search that takes longer than all the rest: in some of them.
+    // The placement of words in pictures takes longer than all the rest, and is therefore tested in some of them only.
     const std::uint64_t sum = checksum(text);
     const auto draw_some = [&](const ResultView& view, std::uint64_t one_of) {
       const Picture picture = picture_of_text(text, "fuzz.json", view);
@@ -267,7 +267,7 @@ Kind chunks() {
     for (const int number : {-1, 0, 2, 3}) {
       const auto chunk = chunk_from(bytes, small_map(), fingerprint, number);
       if (!chunk) continue;
-      // Bytes that are taken come out again.
+      // Accepted bytes must be written back identically.
       if (chunk_bytes(*chunk, small_map(), fingerprint) != bytes) throw std::runtime_error("a chunk has other bytes than it had");
       for (const MapPoint& point : chunk->points) map_type_name(point.type);
     }
@@ -300,7 +300,7 @@ Kind messages() {
   return kind;
 }
 
-/// A folder that is gone at the end.
+/// A temporary folder.
 struct Folder {
   fs::path path;
   Folder() {
@@ -329,7 +329,7 @@ step = 0.005
 windows = [ { eta = [0.9, 0.91], direction = "both", attractor = "periodic", z = [1, 1] } ]
 )";
 
-/// A command that goes on from a result. It computes what the damaged one lacks, so that the run must be a short one.
+/// A command that resumes a result. It computes the missing parts of the damaged result, so that the run must be short.
 Kind resumed(std::size_t cost, Arguments arguments) {
   const std::string command = arguments.front();
   Kind kind{"resume-" + command, Form::json, cost, {"null", "[]", "{}", "-1", "interrupted", "done"}, {}, {}, {}};
@@ -345,7 +345,7 @@ Kind resumed(std::size_t cost, Arguments arguments) {
     Arguments all = arguments;
     all.insert(all.end(), {"--resume", folder->path.string()});
     const Said said = run(all);
-    // There is no gnuplot here, which is told before.
+    // gnuplot is missing here, and the note about it comes first.
     std::string message = said.err;
     if (const std::size_t at = message.find("graze " + command + ": "); at != std::string::npos)
       message.erase(0, at + command.size() + 8);
@@ -353,7 +353,7 @@ Kind resumed(std::size_t cost, Arguments arguments) {
       while (message.ends_with('\n')) message.pop_back();
       throw std::invalid_argument(message);
     }
-    // Other ends come with a result.
+    // Other terminations come with a result.
     if (read(file) == text && said.code != 0) throw std::runtime_error(message);
   };
   return kind;

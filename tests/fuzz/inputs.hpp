@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the program reads from outside: one kind for each door, with sound examples.
+// External inputs of the program: one kind for each entry point, with valid examples.
 #pragma once
 
 #include "mutation.hpp"
@@ -13,12 +13,12 @@ namespace graze::fuzz {
 struct Kind {
   std::string name;
   Form form = Form::text;
-  std::size_t cost = 1;  ///< of so many inputs of other kinds there is one of this
+  std::size_t cost = 1;  ///< relative cost: one input of this kind per `cost` inputs of other kinds
   std::vector<std::string> words;
   std::function<std::vector<std::string>()> seeds;
-  /// Ends, or throws std::invalid_argument with one sentence. Anything else is a fault of the program.
+  /// Returns, or throws std::invalid_argument with one sentence. Any other outcome is a fault of the program.
   std::function<void(const std::string& input)> take;
-  /// Makes an input pass checks that hardly any damaged one passes, such as a checksum; may be empty.
+  /// Repairs checks that almost no damaged input passes, such as a checksum; may be empty.
   std::function<void(std::string& input, Dice& dice)> mend = {};
 };
 

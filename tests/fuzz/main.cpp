@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the program reads, damaged at random: each input has to end in success or in std::invalid_argument with one sentence, in
-// bounded time.
+// Fuzzer: randomly damaged inputs of the program. Each input must end in success or in std::invalid_argument with one
+// sentence, in bounded time.
 //
-//     fuzz [--kind NAME] [--count N] [--first K] [--seed S] [--seconds T] [--keep DIR]    N mutations of each kind (default 2000)
-//     fuzz --kind NAME FILE ...                                                            these inputs alone
+//     fuzz [--kind NAME] [--count N] [--first K] [--seed S] [--seconds T] [--keep DIR]  N mutations of each kind (default 2000)
+//     fuzz --kind NAME FILE ...                                                          these inputs alone
 //
-// First the files of corpus/NAME, which once failed, then mutations of them and of sound inputs. Of kinds that take longer there
-// are fewer. An input that fails is written to DIR (default: the current folder); a crash or a hang ends the program, which has
-// written it, too. Input K of a seed is the same whatever came before it.
+// First come the files of corpus/NAME, which once failed, then mutations of them and of valid inputs. Expensive kinds have
+// fewer inputs. An input that fails is written to DIR (default: the current folder). A crash or a hang ends the program after
+// it has written the input. Input K of a seed does not depend on the inputs before it.
 #include "inputs.hpp"
 
 #include <graze/lib/equations/source.hpp>
@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t most_told = 20;  // sorts of failures of a kind
+constexpr std::size_t most_reported = 20;  // sorts of failures of a kind
 
 struct Options {
   std::string kind, keep = ".";
@@ -45,7 +45,7 @@ struct Options {
   std::vector<std::string> files;
 };
 
-// For the signal handler: the input that is being taken, and the name of the file that gets it.
+// For the signal handler: the current input, and the name of the file to which it is written.
 const std::string* current = nullptr;
 char kept_as[4096];
 
@@ -62,7 +62,7 @@ extern "C" void keep_current_input(int signal) {
 }
 
 void catch_signals() {
-  static char stack[65536];  // the usual one may be used up
+  static char stack[65536];  // the usual stack may be used up
   stack_t other = {};
   other.ss_sp = stack;
   other.ss_size = sizeof stack;
@@ -74,7 +74,7 @@ void catch_signals() {
 }
 
 #if !defined(__SANITIZE_ADDRESS__)
-/// What asks for more memory is found out, and not the machine.
+/// Limits the memory, so that an excessive request fails instead of the machine.
 void limit_memory() {
   const rlimit limit{4UL << 30U, 4UL << 30U};
   ::setrlimit(RLIMIT_AS, &limit);
@@ -83,7 +83,7 @@ void limit_memory() {
 void limit_memory() {}
 #endif
 
-/// Empty: it is a sentence for people. That on an equation shows its line and marks the place below.
+/// Empty: the message is a valid sentence. The message on an equation shows its line and marks the place below.
 std::string fault_of(const std::string& message, bool shows_line) {
   if (message.empty()) return "a message without words";
   for (const char* internal : {"json.exception", "std::", "basic_string", "vector::", "map::at", "bad_alloc"})
@@ -94,14 +94,14 @@ std::string fault_of(const std::string& message, bool shows_line) {
   return {};
 }
 
-/// Of the processor: the machine may be busy with other things. 0: as much as it takes.
+/// Limits the processor time, because the machine may be busy. 0: no limit.
 void allow_time(unsigned seconds) {
   itimerval timer = {};
   timer.it_value.tv_sec = static_cast<time_t>(seconds);
   ::setitimer(ITIMER_PROF, &timer, nullptr);
 }
 
-/// Empty: as it should be.
+/// Empty: no fault.
 std::string fault_of(const Kind& kind, const std::string& input, const Options& options) {
   std::string fault;
   current = &input;
@@ -123,8 +123,8 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A fault without what differs from input to input.
-std::string sort_of(const std::string& fault) {
+/// A fault without the parts that depend on the input.
+std::string failure_class(const std::string& fault) {
   std::string text;
   bool quoted = false;
   for (const char c : fault) {
@@ -145,7 +145,7 @@ std::size_t fuzz(const Kind& kind, const Options& options) {
     const std::string fault = fault_of(kind, input, options);
     if (fault.empty()) return;
     ++failures;
-    if (++faults[sort_of(fault)] > 1 || faults.size() > most_told) return;
+    if (++faults[failure_class(fault)] > 1 || faults.size() > most_reported) return;
     std::ofstream(kept_as, std::ios::binary) << input;
     fmt::print(stderr, "fuzz: {} {}: {}\n", kind.name, name, fault.substr(0, 400));
   };
@@ -213,7 +213,7 @@ Options options_of(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     const Options options = options_of(argc, argv);
-    ::setenv("PATH", "/nonexistent", 1);  // pictures are not drawn: gnuplot is not what is tested
+    ::setenv("PATH", "/nonexistent", 1);  // pictures are not drawn: gnuplot is not under test
     limit_memory();
     catch_signals();
     std::size_t failures = 0;

@@ -15,7 +15,7 @@ namespace {
 
 using apps::Json;
 
-constexpr std::size_t longest_input = 200000;  // bytes: time is for many inputs, not for long ones
+constexpr std::size_t longest_input = 200000;  // bytes: the time is for many inputs and not for long ones
 
 const std::array<const char*, 30> numbers = {"0",
                                              "1",
@@ -48,7 +48,7 @@ const std::array<const char*, 30> numbers = {"0",
                                              "1.",
                                              ".5"};
 
-/// Where a piece of such characters begins, and its end, looked for from a random place on; empty at the end: there is none.
+/// Begin and end of a piece of such characters, searched from a random position; empty at the end: there is none.
 template <class Is> std::pair<std::size_t, std::size_t> find_piece(const std::string& text, Dice& dice, Is is) {
   if (text.empty()) return {0, 0};
   std::size_t at = dice.below(text.size());
@@ -89,7 +89,7 @@ void change_lines(std::string& text, Dice& dice) {
   for (const std::string& line : lines) text += line;
 }
 
-/// A bracket or a sign again and again: what reads it by recursion goes as deep.
+/// A bracket or a sign many times: a recursive parser reaches the same depth.
 void nest(std::string& text, Dice& dice) {
   const std::array<const char*, 10> pieces = {"(", "[", "{", "-", "sin(", "[[", "{\"a\":", "x^", "{a=", "\""};
   const std::string piece = dice.one_of(pieces);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Inputs for the fuzzer: damaged copies of sound ones. The same number gives the same input on every machine.
+// Inputs for the fuzzer: damaged copies of valid ones. The same number gives the same input on every machine.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ class Dice {
 
 enum class Form { text, json, bytes };
 
-/// One of the seeds after one to eight changes. `words`: what may stand in such a text.
+/// One of the seeds after one to eight changes. `words`: words that occur in such a text.
 std::string mutated(const std::vector<std::string>& seeds, Form form, const std::vector<std::string>& words, Dice& dice);
 
 }  // namespace graze::fuzz

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cantilevers (beta x^3) side by side in SIMD lanes, against the same motions one by one, by their own series and by the general
-// flow.
+// Cantilevers (cubic stiffness beta x^3) side by side in SIMD lanes. Each motion is compared with the Propagator, both with
+// the series of the cubic spring and with the general flow.
 #include "support/lane_differences.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
@@ -22,7 +22,7 @@ struct Row {
 
 }  // namespace
 
-TEST_CASE("lanes carry cantilevers as the Propagator does") {
+TEST_CASE("lanes and Propagator agree for cantilevers") {
   const Row row =
       GENERATE(Row{"newton", "k_r", 1.0}, Row{"newton", "k_r", 0.6}, Row{"hertz", "b_H", 0.0}, Row{"hertz", "b_H", 0.1},
                Row{"linear", "k_S", 0.5}, Row{"linear", "k_S", 25.0}, Row{"linear", "k_S", 5000.0});
@@ -52,7 +52,7 @@ TEST_CASE("lanes carry cantilevers as the Propagator does") {
   CHECK(static_cast<double>(many.left_over()) < (dissipative ? 0.3 : 0.05) * static_cast<double>(many.carried()));
 }
 
-TEST_CASE("lanes carry cantilevers as the general flow does") {
+TEST_CASE("lanes and general flow agree for cantilevers") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = cantilever(law);
   const Vector p = parameters(system, {{"eta", 0.554}, {"b", 0.026}, {"xi", 0.08}, {"r", 0.079}});
@@ -69,8 +69,8 @@ TEST_CASE("lanes carry cantilevers as the general flow does") {
   CHECK(worst.impacts == 0);
 }
 
-TEST_CASE("lanes miss no impact of a cantilever next to grazing") {
-  // The turning point of a free motion from rest, and the barrier just beyond it, and just within.
+TEST_CASE("lanes miss no impact of a cantilever near grazing") {
+  // The turning point of a free motion from rest. The barrier lies just beyond it, or just short of it.
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = cantilever(law);
   const Vector far = parameters(system, {{"eta", 0.8}, {"xi", 0.3}, {"r", 50.0}});
@@ -112,7 +112,7 @@ TEST_CASE("linear oscillators and cantilevers share the lanes") {
   CHECK(many.left_over() < many.carried() / 20);
 }
 
-TEST_CASE("a cantilever that chatters, runs away or starts inside is left to the Propagator") {
+TEST_CASE("lanes leave chattering, escaping and inadmissible cantilevers to the Propagator") {
   const HybridSystem system = cantilever("newton");
   const std::vector<Vector> sets = {parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}}),
                                     parameters(system, {{"eta", 0.7}, {"beta", -1.0}, {"r", 0.3}})};
@@ -132,8 +132,8 @@ TEST_CASE("a cantilever that chatters, runs away or starts inside is left to the
   CHECK(results[3 * 6].termination == Termination::escape);
 }
 
-TEST_CASE("more impacts in a period than are allowed are told of cantilevers in lanes, too") {
-  // Fixed: lanes carried what the Propagator refuses, and worked on it for as long as it lasted.
+TEST_CASE("lanes report too many impacts in a period of a cantilever") {
+  // Fixed: the lanes carried a period with more impacts than the Propagator allows, however long it took.
   using Values = std::vector<std::pair<const char*, double>>;
   const auto [law, values, x] = GENERATE(table<const char*, Values, double>(
       {{"newton", Values{{"b", 0.01}, {"beta", 1e3}, {"xi", 0.08}, {"eta", 0.05}, {"r", -3.0}, {"k_r", 1.0}}, -3.2},

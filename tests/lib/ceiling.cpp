@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The ceiling under which motions in lanes march from point to point of their grid, against the motions themselves.
+// The ceiling of a flight in the lanes: while both ends of a grid cell lie below it, the lanes skip the search for an impact
+// in the cell. It is checked against the closed form of the flight.
 #include "support/checks.hpp"
 
 #include <graze/lib/lanes/flight.hpp>
@@ -26,7 +27,7 @@ namespace {
 std::mt19937_64 engine(20261127);
 double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); }
 
-/// A flight from (x, v) at the forcing's phase `phase`.
+/// A flight from (x, v) at forcing phase `phase`.
 struct Flying {
   const Coefficients& q;
   double x, v, phase;
@@ -46,7 +47,8 @@ struct Flying {
   }
 };
 
-/// Of flights that come near to the barrier, up to it: how much of the distance from it to the ceiling is needed at the most.
+/// Follows flights near the barrier up to the barrier. Returns the largest rise within a cell above its higher end, as a
+/// fraction of the distance from ceiling to barrier.
 double largest_need(const Coefficients& q) {
   double need = 0.0;
   const double r = q[barrier], h = q[cell];
@@ -70,7 +72,7 @@ double largest_need(const Coefficients& q) {
 
 }  // namespace
 
-TEST_CASE("a flight that is below the ceiling at both ends of a cell is below the barrier in between") {
+TEST_CASE("a flight below the ceiling at both ends of a cell stays below the barrier in between") {
   double need = 0.0;
   for (const char* law : {"newton", "linear"}) {
     const HybridSystem system = make_oscillator("linear", law);
@@ -86,5 +88,5 @@ TEST_CASE("a flight that is below the ceiling at both ends of a cell is below th
     }
   }
   CHECK(need < 1.0);
-  CHECK(need > 0.9);  // a ceiling nearer to the barrier would be too near
+  CHECK(need > 0.9);  // the ceiling is sharp: one slightly closer to the barrier would fail
 }

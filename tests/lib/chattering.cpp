@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Infinitely many impacts in finite time, and what follows: sticking and release.
+// Chattering: infinitely many impacts in finite time, then sticking and release.
 #include "support/bouncing_ball.hpp"
 #include "support/checks.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 
 using Long = long double;
 
-/// Pressed against a barrier at r = 0.5 from phase 0 on until cos(eta t) = r: room for a whole series of impacts.
+/// Start at phase 0, pressed against a barrier at r = 0.5 until cos(eta t) = r: long enough for a complete series of impacts.
 Vector pressed(const HybridSystem& system, double k_r, double eta = 0.3) {
   return parameters(
       system, {{"r", 0.5}, {"eta", eta}, {"xi", 1.0 + 0.5 * 0.25 * default_parameters(system.parameters)[1]}, {"k_r", k_r}});
@@ -24,8 +24,9 @@ double release_time(const Vector& p) {
   return std::acos(load / p[oscillator_parameter::xi]) / p[oscillator_parameter::eta];
 }
 
-/// Accumulation time of the linear oscillator's impacts from (r, v) moving in at t = 0, in long double: every flight in closed
-/// form, its end by Newton from 2 u/a, until flights are shorter than 1e-17. `impacts`: how many were carried out.
+/// Accumulation time of the linear oscillator's impacts in long double. Start: (r, v) at t = 0, moving into the barrier. Every
+/// flight has the closed form; Newton's method from 2 u/a finds its end, until flights are shorter than 1e-17. `impacts`
+/// returns the number of impacts.
 Long accumulation_time(const Vector& p, Long v, int& impacts) {
   const Long b = p[0], xi = p[2], w = p[3], r = p[4], k_r = p[5];
   const Long D = (1 - w * w) * (1 - w * w) + 4 * b * b * w * w, C = xi * (1 - w * w) / D, S = xi * 2 * b * w / D;
@@ -34,10 +35,10 @@ Long accumulation_time(const Vector& p, Long v, int& impacts) {
   for (impacts = 1; impacts < 10000; ++impacts) {
     const Long u = k_r * v;  // departs with -u
     const Long a = xi * std::cos(w * t) + 2 * b * u - r, j = -xi * w * std::sin(w * t) - 2 * b * a + u;
-    REQUIRE(a > 0);  // still pressed: the series does end
+    REQUIRE(a > 0);  // still pressed: the series is complete
     Long s = 2 * u / a;
     if (s < 1e-17L) return t + s / (1 - k_r);
-    if (s > 1e-4L) {  // closed form; shorter flights by their series, where the closed form cancels
+    if (s > 1e-4L) {  // closed form; it cancels in shorter flights, which use their series
       const Long d = r - C * std::cos(w * t) - S * std::sin(w * t), e = -u - w * (S * std::cos(w * t) - C * std::sin(w * t));
       for (int i = 0; i < 60; ++i) {
         const Long decay = std::exp(-b * s), c = std::cos(q * s), n = std::sin(q * s) / q, at = w * (t + s);
@@ -78,14 +79,14 @@ TEST_CASE("a bouncing ball comes to rest at the sum of its geometric series") {
     REQUIRE(run.events.back().kind == EventKind::stick);
     REQUIRE(run.mode == 1);
     REQUIRE(run.x == vector({0.0, 0.0}));
-    // Under a constant force the series is geometric to the end: only the rounding of each impact's instant adds up.
+    // Under a constant force the series is geometric to the end. The only error is the rounding of each impact time.
     const double exact = std::sqrt(2.0 * H / g) * (1.0 + k_r) / (1.0 - k_r);
     REQUIRE(run.events.back().t == Approx(exact).epsilon(1e-15 * static_cast<double>(run.events.size() + 4)));
     for (std::size_t i = 0; i + 1 < run.events.size(); ++i) REQUIRE(run.events[i].kind == EventKind::impact);
   }
 }
 
-TEST_CASE("the accumulation time of an oscillator's impacts is that of an iteration in long double") {
+TEST_CASE("the accumulation time of an oscillator agrees with a long double iteration") {
   const HybridSystem system = make_oscillator("linear", "newton");
   for_both_flows([&](const FlowOptions& options) {
     for (const double k_r : {0.1, 0.4, 0.6, 0.8}) {
@@ -99,7 +100,8 @@ TEST_CASE("the accumulation time of an oscillator's impacts is that of an iterat
         const auto stick =
             std::find_if(run.events.begin(), run.events.end(), [](const EventRecord& e) { return e.kind == EventKind::stick; });
         REQUIRE(stick != run.events.end());
-        // The sum over the last millionth is known to its square times the relative change of the force, and of rounding.
+        // The series counts as complete when its remaining time is below 1e-6. The error is the square of that time, times the
+        // relative change of the force, plus rounding.
         REQUIRE(std::abs(stick->t - exact) < 5e-12);
         REQUIRE(stick->x_plus == vector({0.5, 0.0}));
         REQUIRE(stick->exit_speed == 0.0);
@@ -109,7 +111,7 @@ TEST_CASE("the accumulation time of an oscillator's impacts is that of an iterat
   });
 }
 
-TEST_CASE("the accumulation window bounds the error by its square, and sets the number of impacts resolved") {
+TEST_CASE("the error from the accumulation window falls as its square and the impacts resolved grow as its logarithm") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const double k_r = 0.5;
   const Vector p = pressed(system, k_r);
@@ -126,14 +128,14 @@ TEST_CASE("the accumulation window bounds the error by its square, and sets the 
     if (before > 0) CHECK(std::abs(static_cast<double>(run.events.size() - before) - std::log(10.0) / -std::log(k_r)) <= 1.0);
     before = run.events.size();
   }
-  // No window at all: the series is carried out as far as time can tell, and ends all the same.
+  // Without a window the series is carried to the resolution of time, and still ends.
   const Trajectory run = simulate(system, p, 0.0, vector({0.5, 0.3}), {.t_end = 3.0}, {.accumulation_window = 0.0});
   REQUIRE(run.events.back().kind == EventKind::stick);
   REQUIRE(std::abs(run.events.back().t - exact) < 1e-11);
   REQUIRE(run.events.size() < 60);
 }
 
-TEST_CASE("sticking is held, and released where the force changes sign") {
+TEST_CASE("a sticking mass is held and released where the force changes sign") {
   for (const OscillatorKind& kind : oscillator_kinds()) {
     const HybridSystem system = make_oscillator(kind, contact_law("newton"));
     for_both_flows([&](const FlowOptions& options) {
@@ -149,7 +151,7 @@ TEST_CASE("sticking is held, and released where the force changes sign") {
         REQUIRE(release.x_plus == vector({0.5, 0.0}));
         REQUIRE(release.saltation.S.size() == 0);
         REQUIRE(run.mode == 0);
-        // It leaves as the force does: x - r = -xi eta sin(eta t) s^3/6 to first order.
+        // The mass leaves with the growing force: x - r = -xi eta sin(eta t) s^3/6 to first order.
         const double s = 0.5, expected = -p[2] * p[3] * std::sin(p[3] * release.t) * s * s * s / 6.0;
         REQUIRE(run.x[0] - 0.5 == Approx(expected).epsilon(0.1));
       }
@@ -157,7 +159,7 @@ TEST_CASE("sticking is held, and released where the force changes sign") {
   }
 }
 
-TEST_CASE("a mass held over several forcing periods' ends is held on, and one never released stays") {
+TEST_CASE("a mass is held across the ends of forcing periods and forever if the force never releases it") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"r", -2.0}, {"k_r", 0.5}, {"eta", 0.7}});  // pressed at every phase
   const Trajectory run = simulate(system, p, 0.0, vector({-2.0, 0.3}), {.t_end = 100.0});
@@ -174,7 +176,7 @@ TEST_CASE("a mass held over several forcing periods' ends is held on, and one ne
   REQUIRE(transition.x1 == vector({-2.0, 0.0}));
 }
 
-TEST_CASE("without restitution every impact is the last: sticking at once, or leaving with the force") {
+TEST_CASE("without restitution the first impact ends in sticking or in motion with the force") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = pressed(system, 0.0);
   const Trajectory run = simulate(system, p, 0.0, vector({0.0, 0.6}), {.t_end = 3.0});
@@ -182,7 +184,7 @@ TEST_CASE("without restitution every impact is the last: sticking at once, or le
   REQUIRE(run.events[0].kind == EventKind::stick);
   REQUIRE(run.events[0].normal_speed > 0.1);
   REQUIRE(run.events[0].exit_speed == 0.0);
-  // Pulled away: the mass is left at the barrier with no speed and goes with the force.
+  // Pulled away: the mass has no speed at the barrier and follows the force.
   const Vector pulled = parameters(system, {{"r", 0.5}, {"xi", 0.2}, {"k_r", 0.0}, {"eta", 0.7}});
   const Trajectory away = simulate(system, pulled, 0.0, vector({0.4, 0.8}), {.t_end = 1.0});
   REQUIRE(away.events.size() == 1);
@@ -192,7 +194,7 @@ TEST_CASE("without restitution every impact is the last: sticking at once, or le
   REQUIRE(away.x[0] < 0.5);
 }
 
-TEST_CASE("after sticking the motion has forgotten its start: the factor is exactly zero, and so is Phi") {
+TEST_CASE("after sticking the motion does not depend on its start: the factor and Phi are exactly zero") {
   for (const OscillatorKind& kind : oscillator_kinds()) {
     const HybridSystem system = make_oscillator(kind, contact_law("newton"));
     for (const double k_r : {0.0, 0.5}) {
@@ -207,7 +209,8 @@ TEST_CASE("after sticking the motion has forgotten its start: the factor is exac
       REQUIRE(std::count(transition.factors.begin(), transition.factors.end(), Matrix(Matrix::Zero(2, 2))) == 1);
       REQUIRE(transition.log_det == -std::numeric_limits<double>::infinity());
       REQUIRE(transition.liouville == -std::numeric_limits<double>::infinity());
-      // What it does depend on, the parameters (through the barrier, the instant of release and the flight), it does rightly.
+      // The dependence on the parameters remains, through the barrier, the time of release and the flight. It agrees with
+      // differences.
       Vector inside = p;
       inside[oscillator_parameter::law] = 0.5;  // differences need room below k_r
       REQUIRE_THAT(check_transition(system, inside, 0.0, release_time(p) + 1.0, vector({0.4, 0.3}), 1e-8), all_agree());
@@ -215,7 +218,7 @@ TEST_CASE("after sticking the motion has forgotten its start: the factor is exac
   }
 }
 
-TEST_CASE("a plastic impact that does not stick leaves one multiplier exactly zero") {
+TEST_CASE("a plastic impact without sticking leaves one multiplier exactly zero") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"r", 0.5}, {"xi", 0.2}, {"k_r", 0.0}, {"eta", 0.7}});
   Propagator propagator(system, p);
@@ -229,8 +232,8 @@ TEST_CASE("a plastic impact that does not stick leaves one multiplier exactly ze
   REQUIRE(transition.log_det == -std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("a series cut short by the force does not stick") {
-  // The impacts begin so late that the force turns away before they have accumulated.
+TEST_CASE("a series of impacts that the force interrupts does not stick") {
+  // The impacts begin so late that the force reverses before they accumulate.
   const HybridSystem system = make_oscillator("linear", "newton");
   for (const double k_r : {0.7, 0.9}) {
     const Vector p = pressed(system, k_r);
@@ -245,7 +248,7 @@ TEST_CASE("a series cut short by the force does not stick") {
   }
 }
 
-TEST_CASE("a run that ends amid a series of impacts ends at its time") {
+TEST_CASE("a run that ends within a series of impacts ends at its end time") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = pressed(system, 0.6);
   int impacts = 0;
@@ -262,7 +265,7 @@ TEST_CASE("a run that ends amid a series of impacts ends at its time") {
   }
 }
 
-TEST_CASE("a run ends by time or by number of events, and says which") {
+TEST_CASE("a run ends by time or by number of events and reports the reason") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = pressed(system, 0.6);
   const Trajectory by_number = simulate(system, p, 0.0, vector({0.5, 0.2}), {.t_end = 3.0, .max_events = 5});

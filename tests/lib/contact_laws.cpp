@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every law on every oscillator, driven by the lists contact_laws() and oscillator_kinds(): a law is tested by being listed.
+// Every contact law on every oscillator. The lists contact_laws() and oscillator_kinds() drive these tests, so that a new law
+// is tested once it is listed.
 #include "support/checks.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
@@ -17,7 +18,7 @@ template <class Test> void for_each_system(const Test& test) {
     for (const ContactLaw& law : contact_laws()) test(make_oscillator(kind, law), law);
 }
 
-/// Parameter values drawn within their ranges, away from their ends (differences need room on both sides).
+/// Parameter values drawn within their ranges, away from the ends: differences need room on both sides.
 Vector draw(const HybridSystem& system, Random& random) {
   Vector p = default_parameters(system.parameters);
   for (std::size_t i = 0; i < system.parameters.size(); ++i) {
@@ -32,14 +33,15 @@ Vector draw(const HybridSystem& system, Random& random) {
 
 }  // namespace
 
-TEST_CASE("every field, guard, reset and coefficient of every law agrees with its differences") {
+TEST_CASE("derivatives of fields, guards, resets and coefficients agree with differences for every law") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
     Random random(4);
     for (int i = 0; i < 20; ++i) {
       const Vector p = draw(system, random);
       const double t = random(-3.0, 6.0), r = p[oscillator_parameter::r];
       for (std::size_t mode = 0; mode < system.modes.size(); ++mode) {
-        // Inside the mode: short of the barrier in flight, beyond it in contact, at a depth where sqrt is smooth on the steps.
+        // Inside the mode: short of the barrier in flight, beyond it in contact. The depth keeps sqrt smooth over the
+        // difference steps.
         const double x = mode == 0 ? r - random(0.1, 2.0) : r + random(0.2, 0.8);
         REQUIRE_THAT(check_mode(system, mode, t, vector({x, random(-2.0, 2.0)}), p), all_agree());
       }
@@ -49,7 +51,7 @@ TEST_CASE("every field, guard, reset and coefficient of every law agrees with it
   });
 }
 
-TEST_CASE("every system is complete: valid, with ranges, meanings and unique names") {
+TEST_CASE("every system is valid and has ranges, meanings and unique names") {
   std::set<std::string> names;
   for_each_system([&](const HybridSystem& system, const ContactLaw& law) {
     INFO(system.name);
@@ -68,7 +70,7 @@ TEST_CASE("every system is complete: valid, with ranges, meanings and unique nam
   });
 }
 
-TEST_CASE("every flow hands out the field of its mode") {
+TEST_CASE("every flow returns the field of its mode") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
     Random random(5);
     for (int i = 0; i < 10; ++i) {
@@ -80,14 +82,15 @@ TEST_CASE("every flow hands out the field of its mode") {
         system.modes[mode].field(t, x, p, expected);
         for (const FlowKind kind : {FlowKind::automatic, FlowKind::general}) {
           make_flow(system, mode, p, {}, {.kind = kind}).field(t, x, given);
-          REQUIRE((given - expected).norm() <= 1e-15 * (1.0 + expected.norm()) * 10.0);  // the same terms in another order
+          // The same terms, added in another order.
+          REQUIRE((given - expected).norm() <= 1e-15 * (1.0 + expected.norm()) * 10.0);
         }
       }
     }
   });
 }
 
-TEST_CASE("soft laws are continuous at the barrier in state and field, and say so") {
+TEST_CASE("soft laws are continuous at the barrier in state and field and declared so") {
   for_each_system([](const HybridSystem& system, const ContactLaw& law) {
     if (law.hard) return;
     Random random(6);
@@ -107,7 +110,7 @@ TEST_CASE("soft laws are continuous at the barrier in state and field, and say s
   });
 }
 
-TEST_CASE("the contact forces are those of the laws") {
+TEST_CASE("contact forces follow the formulas of their laws") {
   const Vector x = vector({2.25, -0.4});
   const auto force = [&](const char* law, std::initializer_list<std::pair<const char*, double>> set) {
     const HybridSystem system = make_oscillator("linear", law);
@@ -126,7 +129,7 @@ TEST_CASE("the contact forces are those of the laws") {
   REQUIRE(out == vector({2.0, -0.6 * 3.0}));
 }
 
-TEST_CASE("the free oscillator is that of the source: damping, stiffness, cubic term and forcing") {
+TEST_CASE("the free oscillator follows its source: damping, stiffness, cubic term and forcing") {
   const HybridSystem system = make_oscillator("cantilever", "hertz");
   const Vector p = parameters(system, {{"b", 0.1}, {"xi", 1.5}, {"eta", 0.7}});
   REQUIRE(p[oscillator_parameter::beta] == 36.0 / 35.0);
@@ -137,7 +140,7 @@ TEST_CASE("the free oscillator is that of the source: damping, stiffness, cubic 
   REQUIRE(barrier_acceleration(2.0, p) == Approx(1.5 * std::cos(1.4) - 2.0 - 36.0 / 35.0 * 8.0));
 }
 
-TEST_CASE("a name of a law or an oscillator that does not exist is refused with the nearest one") {
+TEST_CASE("an unknown law or oscillator is refused with the nearest name") {
   REQUIRE_THROWS_WITH(contact_law("herz"),
                       "there is no contact law \"herz\" (did you mean \"hertz\"?); choose one of hertz, linear, newton");
   REQUIRE_THROWS_WITH(oscillator_kind("cantilver"), "there is no oscillator \"cantilver\" (did you mean \"cantilever\"?); choose "

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contacts from a table against the same contacts carried in steps, and motions in lanes with it against motions without.
+// Contacts interpolated from a table against the same contacts integrated in steps, and motions in lanes with and without the
+// table.
 #include "support/checks.hpp"
 #include "support/lane_widths.hpp"
 
@@ -37,7 +38,7 @@ std::vector<MotionStart> random_starts(std::size_t count, double r) {
 
 }  // namespace
 
-TEST_CASE("a table of contacts agrees with contacts carried in steps") {
+TEST_CASE("contacts from a table agree with contacts integrated in steps") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const auto [eta, b_H] = GENERATE(table<double, double>({{0.711, 0.1}, {0.93, 0.0}}));
   const Vector p = hertz_parameters(eta, b_H);
@@ -66,14 +67,14 @@ TEST_CASE("a table of contacts agrees with contacts carried in steps") {
     const auto& Phi = contact->Phi;
     volume = std::max(volume, std::abs(std::log(Phi[0] * Phi[3] - Phi[1] * Phi[2]) - contact->divergence));
   }
-  // What is promised of the table, 1e-13 and 1e-11, and that of the steps.
+  // The stated errors of the table, 1e-13 and 1e-11, plus that of the steps.
   CHECK(value < 3e-13);
   CHECK(tangent < 2e-11);
-  // The determinant is a difference of products of the size of |Phi|^2 ~ 100.
+  // The determinant is a difference of products of size |Phi|^2 ~ 100.
   CHECK(volume < 1e-9);
 }
 
-TEST_CASE("motions in lanes with a table agree with motions without") {
+TEST_CASE("motions in lanes agree with and without a table") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const auto [eta, b_H] = GENERATE(table<double, double>({{0.711, 0.1}, {0.7114, 0.0}, {0.93, 0.1}}));
   const Vector p = hertz_parameters(eta, b_H);
@@ -101,7 +102,7 @@ TEST_CASE("motions in lanes with a table agree with motions without") {
       state = std::max(state, std::hypot(a.x - b.x, a.v - b.v) / size);
       for (std::size_t i = 0; i < 4; ++i) tangent = std::max(tangent, std::abs(a.Phi[i] - b.Phi[i]) / (size * size));
       volume = std::max(volume, std::abs(a.liouville - b.liouville));
-      // A contact that has just begun at the end of a period or not: impacts may count for the next.
+      // If a contact begins exactly at the end of a period, its impact may count in either period.
       impacts += a.impacts != b.impacts ? 1 : 0;
       compared += b.impacts;
     }
@@ -113,8 +114,8 @@ TEST_CASE("motions in lanes with a table agree with motions without") {
   CHECK(compared > 500);
 }
 
-TEST_CASE("a table next to grazing leaves weak contacts to the lanes") {
-  // Of many periods, those with a contact slower than the table goes down to: against the Propagator.
+TEST_CASE("near grazing the table leaves weak contacts to the lanes") {
+  // Periods with a contact slower than the slowest of the table are compared with the Propagator.
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = hertz_parameters(0.711, 0.1);
   constexpr double slowest = 0.25;
@@ -152,7 +153,7 @@ TEST_CASE("a table next to grazing leaves weak contacts to the lanes") {
   CHECK(tangent < 1e-11);
 }
 
-TEST_CASE("lanes of any width give the same with a table to the last bit") {
+TEST_CASE("with a table lanes of any width give identical bits") {
   const auto widths = GENERATE(widths_of_processor, plain_widths);
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = hertz_parameters(0.711, 0.1);
@@ -168,7 +169,7 @@ TEST_CASE("lanes of any width give the same with a table to the last bit") {
   }
 }
 
-TEST_CASE("a table of contacts is the same to the last bit on any number of threads") {
+TEST_CASE("a table of contacts has identical bits for any number of threads") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = hertz_parameters(0.711, 0.1);
   std::vector<std::unique_ptr<ContactTable>> tables;
@@ -187,7 +188,7 @@ TEST_CASE("a table of contacts is the same to the last bit on any number of thre
   CHECK(same_bits(one, several));
 }
 
-TEST_CASE("a table of contacts is made of the speeds that motions on all threads meet") {
+TEST_CASE("a table of contacts covers the speeds of motions on all threads") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const auto starts = random_starts(64, 2.0);
   std::vector<PeriodResult> results, one;
@@ -202,7 +203,7 @@ TEST_CASE("a table of contacts is made of the speeds that motions on all threads
       many.carry(starts, LaneCarrier::periods_between_looks, false, results);
       CHECK_FALSE(many.awaits_table(0));
       REQUIRE(many.table(0) != nullptr);
-      many.carry(starts, 20, true, results);  // with it
+      many.carry(starts, 20, true, results);  // with the table
       if (one.empty()) one = results;
       CHECK(same_bits(results, one));
     });
@@ -230,7 +231,7 @@ TEST_CASE("a table of contacts is made for many periods only") {
   CHECK(many.table(0) == nullptr);
 }
 
-TEST_CASE("what a table of contacts is not made for is told") {
+TEST_CASE("the cases without a table of contacts are reported") {
   const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
   const Vector p = hertz_parameters(0.711, 0.1);
   CHECK(ContactTable::applies(system, p));

@@ -17,7 +17,7 @@ namespace {
 using Number = long double;
 enum : Eigen::Index { b, beta, xi, eta, r, k_S };
 
-/// The equations of motion and of the tangent, mode 1 with the stop, in the order x, v, dx/dx0, dv/dx0, dx/dv0, dv/dv0.
+/// Equations of motion and of the tangent, in the order x, v, dx/dx0, dv/dx0, dx/dv0, dv/dv0. In contact the stop is included.
 auto motion_of(const Vector& p, bool contact) {
   return [p, contact](Number t, const LongState<6>& z, LongState<6>& dz) {
     const Number k = contact ? 1 + Number(p[k_S]) : Number(1), x = z[0];
@@ -42,7 +42,7 @@ Segment carry_one(const HybridSystem& system, std::size_t mode, const Vector& p,
 
 }  // namespace
 
-TEST_CASE("the series is the motion and its tangent, in flight and against a stop, hardening and softening, any damping") {
+TEST_CASE("the series gives motion and tangent for any stiffness and damping in flight and in contact") {
   const HybridSystem system = make_oscillator("cantilever", "linear");
   Random random(17);
   for (const double damping : {0.0, 0.026, 1.0, 2.5}) {
@@ -56,7 +56,7 @@ TEST_CASE("the series is the motion and its tangent, in flight and against a sto
                                              {"k_S", 0.5}});
         const double t0 = random(-3.0, 10.0), t1 = t0 + random(0.1, 8.0);
         const Vector x0 = vector({random(-0.8, 0.8), random(-0.8, 0.8)});
-        // Guards off: at r = -50 the stop's constant is a push of 25 that a softening spring would run off with.
+        // The guards are off. At r = -50 the stop pushes with a constant force of 25, and a softening spring would escape.
         if (contact && i == 0) continue;
         const Segment one = carry_one(system, contact, p, {t0, t1, Sensitivity::state, false}, x0);
         const LongState<6> exact = extrapolate<6>(motion_of(p, contact), t0, t1, {x0[0], x0[1], 1, 0, 0, 1});
@@ -66,7 +66,7 @@ TEST_CASE("the series is the motion and its tangent, in flight and against a sto
         INFO("b = " << damping << (contact ? " in contact" : " in flight") << ", run " << i);
         double size = 1.0;
         for (const Number z : exact) size = std::max(size, static_cast<double>(std::abs(z)));
-        // Some tens of steps, each within the tolerance of 1e-13 times a twentieth, grown by the motion.
+        // Some tens of steps, each within a twentieth of the tolerance 1e-13, amplified by the motion.
         for (std::size_t k = 0; k < 6; ++k) CHECK(static_cast<double>(std::abs(found[k] - exact[k])) < 1e-12 * size);
         CHECK(one.divergence == Approx(-2.0 * damping * (t1 - t0)).epsilon(1e-15));
       }
@@ -74,7 +74,7 @@ TEST_CASE("the series is the motion and its tangent, in flight and against a sto
   }
 }
 
-TEST_CASE("the series of the cubic oscillator and its tangent have order 16, whatever the processor") {
+TEST_CASE("the series of the cubic oscillator and its tangent have order 16 on any processor") {
   CubicOscillator oscillator{{0.07, 26.0, 36.0 / 35.0, 1.1, 0.8, 2.0}};
   const Vector p = vector({0.07, 36.0 / 35.0, 1.1, 0.8, 2.0 / 25.0, 25.0});
   const std::vector<std::size_t> none;
@@ -96,13 +96,13 @@ TEST_CASE("the series of the cubic oscillator and its tangent have order 16, wha
     }
     for (std::size_t k = 0; k < 6; ++k) {
       INFO("quantity " << k << ": errors " << error[0][k] << " " << error[1][k]);
-      CHECK(error[0][k] > 1e-12);                      // more than rounding: the order shows
-      CHECK(error[1][k] < error[0][k] / 3e4 + 2e-14);  // 2^15 at least
+      CHECK(error[0][k] > 1e-12);                      // above rounding, so that the order shows
+      CHECK(error[1][k] < error[0][k] / 3e4 + 2e-14);  // at least 2^15
     }
   }
 }
 
-TEST_CASE("the series of the cubic oscillator differ by rounding from processor to processor and with further columns") {
+TEST_CASE("the series of the cubic oscillator agree to rounding on any processor and with more columns") {
   CubicOscillator oscillator{{0.07, 2.0, 36.0 / 35.0, 1.1, 0.8, 0.4}};
   const std::vector<std::size_t> none, all{0, 1, 2, 3, 4, 5};
   detail::CubicSeries<1> generic(oscillator, none, 0.25, detail::series_generic), best(oscillator, none, 0.25);
@@ -129,7 +129,7 @@ TEST_CASE("the series of the cubic oscillator differ by rounding from processor 
       numbers.insert(numbers.end(), out.dv, std::end(out.dv));
       return numbers;
     };
-    // Sums of 17 terms, each a sum of up to 17 itself, of order one: some tens of units in the last place.
+    // Sums of 17 terms, each itself a sum of up to 17 terms of order one: some tens of units in the last place.
     const auto agree = [](const std::vector<double>& a, const std::vector<double>& b) {
       double most = 0.0;
       for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]) / (1.0 + std::abs(a[k])));
@@ -139,13 +139,13 @@ TEST_CASE("the series of the cubic oscillator differ by rounding from processor 
     REQUIRE(agree(found, end(generic)));
     REQUIRE(agree(more, end(generic_all)));
     REQUIRE(agree(found, {more[0], more[1], more[2], more[3], more[4], more[5], more[14], more[15]}));
-    // The last coefficients are what their sums of products leave.
+    // The last coefficients carry the cancellation of their sums of products.
     CHECK(generic.last() == Approx(best.last()).epsilon(1e-10));
     CHECK(generic.before() == Approx(best.before()).epsilon(1e-10));
   }
 }
 
-TEST_CASE("a tighter tolerance of the series brings the motion closer in proportion") {
+TEST_CASE("the error of the series falls in proportion to the tolerance") {
   const HybridSystem system = make_oscillator("cantilever", "linear");
   const Vector p = parameters(system, {{"r", 50.0}, {"xi", 0.4}}), x0 = vector({0.5, -0.6});
   const FlowTask task{0.2, 8.0, Sensitivity::state};
@@ -154,7 +154,7 @@ TEST_CASE("a tighter tolerance of the series brings the motion closer in proport
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
     const Segment one = carry_one(system, 0, p, task, x0, {.tolerance = tolerance});
     INFO("tolerance " << tolerance);
-    // Up to two dozen steps, each within the tolerance; little is added by the motion's growth.
+    // Up to two dozen steps, each within the tolerance. The motion amplifies the errors little.
     CHECK((one.x1 - exact.x1).norm() < 20.0 * tolerance);
     CHECK((one.Phi - exact.Phi).norm() < 50.0 * tolerance);
     CHECK(one.evaluations >= before);
@@ -162,8 +162,9 @@ TEST_CASE("a tighter tolerance of the series brings the motion closer in proport
   }
 }
 
-TEST_CASE("a short flight of the cantilever off a barrier keeps its digits, down to speeds of 1e-9") {
-  // The barrier at x = -r, left downwards: the motion returns after 2 v/a (1 + O(v^2)), a = r + beta r^3 + xi, at the same speed.
+TEST_CASE("a short flight of the cantilever off a barrier keeps its accuracy down to speeds of 1e-9") {
+  // A mass leaves the barrier at x = -r downwards. It returns with the same speed after 2 v/a (1 + O(v^2)), a = r + beta r^3 +
+  // xi.
   const HybridSystem system = make_oscillator("cantilever", "newton");
   const Vector p = parameters(system, {{"r", -0.5}, {"xi", 0.08}, {"b", 0.0}, {"eta", 0.554}});
   const double a = 0.5 + p[beta] * 0.125 + 0.08;
@@ -177,14 +178,14 @@ TEST_CASE("a short flight of the cantilever off a barrier keeps its digits, down
   }
 }
 
-TEST_CASE("a softening spring that lets go ends the segment as failed") {
+TEST_CASE("an escape over a softening spring ends the segment as failed") {
   const HybridSystem system = make_oscillator("cantilever", "linear");
   const Vector p = parameters(system, {{"beta", -1.0}, {"r", 1e300}});
   const Segment one = carry_one(system, 0, p, {0.0, 100.0, Sensitivity::state}, vector({3.0, 1.0}), {.max_steps = 2000});
   REQUIRE(one.end == FlowEnd::failed);
 }
 
-TEST_CASE("no time and no events: the flow stays where it is, or goes through the barrier") {
+TEST_CASE("the flow accepts a run of zero length and passes the barrier without events") {
   const HybridSystem system = make_oscillator("cantilever", "newton");
   const Vector p = parameters(system, {{"r", 0.079}});
   const Segment none = carry_one(system, 0, p, {1.0, 1.0, Sensitivity::state_and_parameters}, vector({0.0, 1.0}));

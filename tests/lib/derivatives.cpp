@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The first-order map along a motion through any number of events: Phi, and Psi in every parameter, against differences of the
+// The linearised map along a motion through any number of events: Phi, and Psi in every parameter, against differences of the
 // motion itself; Liouville's identity; the factors.
 #include "support/checks.hpp"
 
@@ -23,7 +23,7 @@ Vector draw(const HybridSystem& system, Random& random) {
   return p;
 }
 
-/// A random run with events, none of them slow: near grazing the differences themselves lose their digits.
+/// A random run with events, none of them slow. Near grazing the differences themselves are inaccurate.
 struct Run {
   Vector p, x0;
   double t0 = 0.0, t1 = 0.0;
@@ -43,7 +43,7 @@ Run draw_run(const HybridSystem& system, Random& random, double periods) {
 
 }  // namespace
 
-TEST_CASE("Phi and Psi in every parameter agree with differences of the motion, all laws, through several events") {
+TEST_CASE("Phi and Psi in every parameter agree with differences through several events for all laws") {
   for (const OscillatorKind& kind : oscillator_kinds()) {
     for (const ContactLaw& law : contact_laws()) {
       const HybridSystem system = make_oscillator(kind, law);
@@ -51,8 +51,8 @@ TEST_CASE("Phi and Psi in every parameter agree with differences of the motion, 
       for (int i = 0; i < 12; ++i) {
         const Run run = draw_run(system, random, i % 3 == 0 ? 2.0 : 1.0);
         for (const FlowKind flow : {FlowKind::automatic, FlowKind::general}) {
-          // Steps of 2e-5: rounding 1e-13/2e-5 = 5e-9 of a motion good to 1e-13; the contact's sqrt makes the differences
-          // converge slowly, so that smaller errors cannot be told.
+          // Steps of 2e-5: the motion is accurate to 1e-13, which gives 1e-13/2e-5 = 5e-9. The contact's sqrt makes the
+          // differences converge slowly, so that smaller errors cannot be resolved.
           INFO(system.name << ", run " << i);
           REQUIRE_THAT(check_transition(system, run.p, run.t0, run.t1, run.x0, 1e-7, 2e-5, {.kind = flow}), all_agree());
         }
@@ -76,7 +76,7 @@ TEST_CASE("the derivative in one active parameter is the column of the derivativ
         carry(single, run.t0, run.t1, run.x0, options, alone);
         INFO(system.name << ", " << system.parameters[k].name);
         REQUIRE(alone.Psi.cols() == 1);
-        // Not to rounding: step sizes and, for beta, the kind of flow differ.
+        // Not to rounding: the step sizes differ, and for beta the kind of flow.
         REQUIRE((alone.Psi.col(0) - together.Psi.col(static_cast<Eigen::Index>(k))).norm() < 1e-10 * (1.0 + together.Psi.norm()));
         REQUIRE((alone.Phi - together.Phi).norm() < 1e-10 * (1.0 + together.Phi.norm()));
       }
@@ -90,7 +90,7 @@ TEST_CASE("the derivative in one active parameter is the column of the derivativ
   }
 }
 
-TEST_CASE("Liouville: the sum of ln det of the factors is that of the divergences and impacts, to 1e-12, all laws") {
+TEST_CASE("Liouville: the sum of ln det of the factors equals that of divergences and impacts to 1e-12 for all laws") {
   for (const OscillatorKind& kind : oscillator_kinds()) {
     for (const ContactLaw& law : contact_laws()) {
       const HybridSystem system = make_oscillator(kind, law);
@@ -103,7 +103,7 @@ TEST_CASE("Liouville: the sum of ln det of the factors is that of the divergence
         INFO(system.name << ", run " << i);
         REQUIRE(transition.termination == Termination::time);
         REQUIRE(std::abs(transition.log_det - transition.liouville) < 1e-12 * (1.0 + std::abs(transition.liouville)));
-        // And the exact value, where there is one: -2 b (t1 - t0) + 2 p ln k_r.
+        // The exact value where it is known: -2 b (t1 - t0) + 2 p ln k_r.
         const double damping = -2.0 * run.p[oscillator_parameter::b] * (run.t1 - run.t0);
         if (law.name == "linear") REQUIRE(std::abs(transition.liouville - damping) < 1e-12);
         if (law.name == "newton")
@@ -118,8 +118,8 @@ TEST_CASE("Liouville: the sum of ln det of the factors is that of the divergence
   }
 }
 
-TEST_CASE("the divergence of damped Hertz contact is the integral of the contact's damping") {
-  // -2 b dt - integral of k_H y^3 b_H dt, the integral by Simpson's rule over sampled depths.
+TEST_CASE("the divergence of damped Hertz contact is the integral of the contact damping") {
+  // -2 b dt - integral of k_H y^3 b_H dt; Simpson's rule over sampled depths gives the integral.
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"b_H", 0.2}, {"r", 0.5}});
   Flow flow = make_flow(system, 1, p, {});
@@ -138,7 +138,7 @@ TEST_CASE("the divergence of damped Hertz contact is the integral of the contact
   REQUIRE(std::log(whole.Phi.determinant()) == Approx(whole.divergence).margin(1e-12));
 }
 
-TEST_CASE("a transition says what it met: events, sequence, modes, and how it ended") {
+TEST_CASE("a transition reports its events, sequence, modes and termination") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"r", 0.3}, {"eta", 0.8}});
   Propagator propagator(system, p);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The built-in oscillators written as modes and events: the same fields, derivatives, guards, resets, structures and motions as
-// those of functions written by hand.
+// The built-in oscillators written as modes and events in text. They must have the fields, derivatives, guards, resets,
+// structures and motions of hand-written functions.
 #include "support/checks.hpp"
 #include "support/hand_written.hpp"
 #include "support/system_texts.hpp"
@@ -41,7 +41,7 @@ void require_equal(const ModeStructure& a, const ModeStructure& b) {
 
 }  // namespace
 
-TEST_CASE("built-in oscillators written as text: fields, guards and resets with their derivatives are the same") {
+TEST_CASE("built-in oscillators as text have the same fields, guards, resets and derivatives") {
   Random random(5);
   double worst = 0.0;
   for (const OscillatorKind& kind : oscillator_kinds()) {
@@ -59,7 +59,7 @@ TEST_CASE("built-in oscillators written as text: fields, guards and resets with 
         REQUIRE(b.meaning == a.meaning);
       }
       REQUIRE(read.forcing_frequency == given.forcing_frequency);
-      const bool hard = law.name == "newton";  // the held mode is no part of the text
+      const bool hard = law.name == "newton";  // the held mode is not in the text
       REQUIRE(read.modes.size() == (hard ? 1 : 2));
       REQUIRE(read.events.size() == (hard ? 1 : 2));
       for (int trial = 0; trial < 50; ++trial) {
@@ -99,7 +99,7 @@ TEST_CASE("built-in oscillators written as text: fields, guards and resets with 
             REQUIRE(b.log_volume_change(p) == a.log_volume_change(p));
           }
         }
-        // Which mode a state belongs to, on the barrier too (of the built-in ones, without the held mass).
+        // The mode of a state, also on the barrier (the built-in systems without the held mass).
         for (const Vector& at : {x, vector({r, 0.7}), vector({r, -0.7}), vector({r, 0.0}), vector({r + 1e-13, 0.2})}) {
           const bool held = hard && at[0] == r && at[1] == 0.0;
           if (!held) REQUIRE(mode_at(read, t, at, p) == mode_at(given, t, at, p));
@@ -111,7 +111,7 @@ TEST_CASE("built-in oscillators written as text: fields, guards and resets with 
   REQUIRE(worst < 1e-15);
 }
 
-TEST_CASE("built-in oscillators written as text run on the same flows and lanes with the same bits") {
+TEST_CASE("built-in oscillators as text run on the same flows and lanes with identical bits") {
   for (const OscillatorKind& kind : oscillator_kinds()) {
     for (const ContactLaw& law : contact_laws()) {
       const HybridSystem given = hand_written_oscillator(kind, law);
@@ -135,7 +135,7 @@ TEST_CASE("built-in oscillators written as text run on the same flows and lanes 
   }
 }
 
-TEST_CASE("Hertz contact without damping, and a linear spring without beta, keep their fast flows") {
+TEST_CASE("Hertz contact without damping and a linear spring without beta keep their fast flows") {
   SystemWriter writer;
   writer.system.name = "plain";
   writer.states({"x", "v"}).forcing("w");
@@ -165,7 +165,7 @@ TEST_CASE("Duffing between two stops as text: motion, derivatives through impact
   REQUIRE((gradient - vector({0.0, 0.64, 2.0 * 0.6 * 0.8, 0.0, 0.0, 0.0})).norm() < 1e-15);
   REQUIRE(system.events[0].reset.rebound.has_value());
   REQUIRE(system.events[0].guard.level.has_value());
-  // The stop at -r is a level of no parameter; its reset puts x there exactly.
+  // The stop at -r is no level given by a parameter alone; its reset sets x there exactly.
   REQUIRE(!system.events[1].guard.level.has_value());
   Vector after(2);
   system.events[1].reset.map(0.0, vector({-0.6000001, -1.0}), p, after);
@@ -181,13 +181,13 @@ TEST_CASE("Duffing between two stops as text: motion, derivatives through impact
   REQUIRE(struck[0] > 2);
   REQUIRE(struck[1] > 2);
   REQUIRE_THAT(check_transition(system, q, 0.0, 2.0 * T, *read.start, 1e-7, 1e-5), all_agree());
-  // Liouville: -2 b per time and 2 ln k_r per impact.
+  // Liouville: -2 b per unit of time and 2 ln k_r per impact.
   Propagator propagator(system, q);
   Transition transition;
   carry(propagator, 0.0, 2.0 * T, *read.start, {}, transition);
   REQUIRE(std::abs(transition.log_det - transition.liouville) < 1e-11);
 
-  // The energy's rate is the power of forcing and damping.
+  // The rate of the energy is the power of forcing and damping.
   const Vector x = vector({0.2, -0.3});
   const double t = 0.7, force = p[1] * 0.64 * std::cos(0.8 * t) - 2.0 * p[0] * x[1];
   REQUIRE(read.outputs[0].value(0, t, x, p) == Approx(0.045 + 0.02 + 0.5 * 0.0016 / 4).epsilon(1e-14));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Expressions: what the constructors simplify, derivatives against differences, substitution, dependence, printing.
+// Expressions: simplification by the constructors, derivatives against differences, substitution, dependence, printing.
 #include "support/expressions.hpp"
 
 #include <catch2/catch.hpp>
@@ -7,7 +7,7 @@
 using namespace graze::equations;
 using namespace graze::support;
 
-TEST_CASE("equal expressions are one node, whatever the order of a sum's or a product's operands") {
+TEST_CASE("equal expressions are one node for any order of the operands of a sum or product") {
   Graph g;
   REQUIRE(read(g, "x*v + a") == read(g, "a + v*x"));
   REQUIRE(read(g, "2*(x + v)") == read(g, "(v + x)*2"));
@@ -16,7 +16,7 @@ TEST_CASE("equal expressions are one node, whatever the order of a sum's or a pr
   REQUIRE(g.size() == size);
 }
 
-TEST_CASE("constructors simplify what is exact and nothing else") {
+TEST_CASE("constructors simplify only exact cases") {
   Graph g;
   const Expression x = g.state(0);
   for (const char* text : {"0 + x", "x + 0", "x - 0", "1*x", "x*1", "x/1", "x^1", "--x", "x + 0*v", "x*v^0", "-(-x)",
@@ -35,7 +35,7 @@ TEST_CASE("constructors simplify what is exact and nothing else") {
   REQUIRE(read(g, "(-x)*(-v)") == read(g, "x*v"));
   REQUIRE(read(g, "sin(0) + cos(0) + exp(0) + sqrt(9) + abs(-2)") == g.constant(7.0));
   REQUIRE(read(g, "3*2 - 7/4") == g.constant(4.25));
-  // 1/3 and 0.1 + 0.2 are not exact: they stay.
+  // 1/3 and 0.1 + 0.2 are not exact: they stay as written.
   REQUIRE(g.node(read(g, "1/3")).operation == Operation::divide);
   REQUIRE(g.node(read(g, "0.1 + 0.2")).operation == Operation::add);
   REQUIRE(g.node(read(g, "0.1*3")).operation == Operation::multiply);
@@ -43,7 +43,7 @@ TEST_CASE("constructors simplify what is exact and nothing else") {
   REQUIRE(read(g, "a*x*x*x") != read(g, "a*x^3"));
 }
 
-TEST_CASE("derivatives of random expressions agree with differences, and second ones with differences of the first") {
+TEST_CASE("first and second derivatives of random expressions agree with differences") {
   int compared = 0;
   for (unsigned seed = 1; seed <= 150; ++seed) {
     Graph g;
@@ -59,7 +59,7 @@ TEST_CASE("derivatives of random expressions agree with differences, and second 
       const Expression d = g.derivative(e, symbol);
       REQUIRE(g.derivative(e, symbol) == d);
       INFO("seed " << seed << ": " << to_text(g, e, two_and_two()));
-      // Differences with one extrapolation, good to 1e-12 in long double.
+      // Differences with one extrapolation; accurate to 1e-12 in long double.
       const auto slope_at = [&](Expression of, long double* where) {
         const long double middle = *where;
         const auto central = [&](long double h) {
@@ -81,7 +81,7 @@ TEST_CASE("derivatives of random expressions agree with differences, and second 
         const long double twice = value(g, g.derivative(d, second), at);
         REQUIRE(static_cast<double>(std::fabs(twice - slope_at(d, other))) <
                 1e-6 * (1.0 + static_cast<double>(std::fabs(twice))));
-        // Schwarz: the order does not matter.
+        // Schwarz: the order of differentiation does not matter.
         const long double exchanged = value(g, g.derivative(g.derivative(e, second), symbol), at);
         REQUIRE(static_cast<double>(std::fabs(twice - exchanged)) < 1e-13 * (1.0 + static_cast<double>(std::fabs(twice))));
       }
@@ -107,7 +107,7 @@ TEST_CASE("nonsmooth functions and splines have the derivatives of their pieces"
   REQUIRE(slope("sign(x) + step(x)", 0.5) == 0.0);
 }
 
-TEST_CASE("splines: a clamped one gives back a cubic, a periodic one a sine, with derivatives") {
+TEST_CASE("splines: a clamped one reproduces a cubic, a periodic one a sine, with derivatives") {
   Table cubic{"cubic", {}, {}, false, 0.0, 0.0};
   const auto f = [](double u) { return 1.0 + u - 2.0 * u * u + 0.5 * u * u * u; };
   const auto df = [](double u) { return 1.0 - 4.0 * u + 1.5 * u * u; };
@@ -144,7 +144,7 @@ TEST_CASE("splines: a clamped one gives back a cubic, a periodic one a sine, wit
                       "table open: it is periodic, but its first value 1 is not its last 2");
 }
 
-TEST_CASE("substitution replaces symbols everywhere and simplifies what comes out") {
+TEST_CASE("substitution replaces symbols everywhere and simplifies the result") {
   Graph g;
   const Expression e = read(g, "(x - a)^2*cos(v) + (x - a)*v");
   const Replacement on_level{{g.state(0).index, g.parameter(0)}};
@@ -154,7 +154,7 @@ TEST_CASE("substitution replaces symbols everywhere and simplifies what comes ou
   REQUIRE(g.substitute(read(g, "x - 2*v"), exchange) == read(g, "v - 2*x"));
 }
 
-TEST_CASE("dependence lists states, parameters and the time") {
+TEST_CASE("dependence lists states, parameters and time") {
   Graph g;
   const Dependence on = dependence(g, read(g, "cos(b*t)*v + 0*x"));
   REQUIRE(on.states == std::vector<std::size_t>{1});
@@ -166,7 +166,7 @@ TEST_CASE("dependence lists states, parameters and the time") {
   REQUIRE(dependence(g, read(g, "x'")).rate);
 }
 
-TEST_CASE("an expression printed and read again is the same node") {
+TEST_CASE("an expression that is printed and parsed again is the same node") {
   for (unsigned seed = 1; seed <= 300; ++seed) {
     Graph g;
     RandomExpressions make(g, seed);
@@ -174,7 +174,7 @@ TEST_CASE("an expression printed and read again is the same node") {
     for (int order = 0; order < 2; ++order) {
       const std::string text = to_text(g, e, two_and_two());
       INFO("seed " << seed << ": " << text);
-      // A contact power is written as a power.
+      // A contact power is printed as a power.
       if (text.size() > 20000) break;
       bool contact = false;
       for (const Expression part : reachable(g, e)) contact = contact || g.node(part).operation == Operation::contact_power;
@@ -187,7 +187,7 @@ TEST_CASE("an expression printed and read again is the same node") {
   REQUIRE(to_text(g, read(g, "x + v + x*v"), two_and_two(), 5) == "x + v...");
 }
 
-TEST_CASE("long sums and deep chains of operations need no stack") {
+TEST_CASE("long sums and deep chains of operations use no recursion") {
   Graph g;
   Expression e = g.state(0);
   for (int i = 0; i < 200000; ++i) e = g.add(g.multiply(e, g.parameter(0)), g.function(Operation::sin, g.state(1)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mechanics as text: the built-in oscillators as one mass with one stop, chains, moving barriers, Kelvin-Voigt contacts, and the
-// mistakes with their sentences.
+// Mechanics as text: the built-in oscillators as one mass with one stop, chains, moving barriers, Kelvin-Voigt contacts, and
+// the error messages.
 #include "support/checks.hpp"
 #include "support/hand_written.hpp"
 #include "support/system_texts.hpp"
@@ -24,7 +24,7 @@ std::size_t mode_of(const HybridSystem& system, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("built-in oscillators: fields, guards, resets, sticking and structure are those that were written by hand") {
+TEST_CASE("built-in oscillators as mechanics have the fields, guards, resets, sticking and structure of hand-written ones") {
   Random random(11);
   double worst = 0.0;
   for (const OscillatorKind& kind : oscillator_kinds()) {
@@ -82,7 +82,7 @@ TEST_CASE("built-in oscillators: fields, guards, resets, sticking and structure 
   REQUIRE(worst < 2e-14);
 }
 
-TEST_CASE("built-in oscillators run with the bits of those written by hand, through chattering and sticking too") {
+TEST_CASE("built-in oscillators as mechanics run with the bits of hand-written ones through chattering and sticking too") {
   for (const OscillatorKind& kind : oscillator_kinds()) {
     for (const ContactLaw& law : contact_laws()) {
       const HybridSystem given = hand_written_oscillator(kind, law);
@@ -111,7 +111,7 @@ TEST_CASE("built-in oscillators run with the bits of those written by hand, thro
 
 namespace {
 
-/// Two masses coupled by springs and through the mass matrix, a stop before the second.
+/// Two masses, coupled by springs and through the mass matrix, with a stop at the second.
 SystemWriter chain(const std::string& law, const std::vector<std::string>& values) {
   SystemWriter writer;
   writer.system.name = "chain";
@@ -130,8 +130,8 @@ SystemWriter chain(const std::string& law, const std::vector<std::string>& value
 
 }  // namespace
 
-TEST_CASE("a chain at a rigid stop: the impulse conserves the momentum of the free coordinate, the loss is that of the effective "
-          "mass") {
+TEST_CASE("a chain at a rigid stop: the impulse conserves the momentum of the free coordinate and the loss is that of the "
+          "effective mass") {
   const HybridSystem system = equations::make_system(chain("newton", {"k_r"}).system).system;
   REQUIRE(system.state_names == std::vector<std::string>{"x1", "x2", "v1", "v2"});
   REQUIRE(system.modes.size() == 2);
@@ -162,7 +162,7 @@ TEST_CASE("a chain at a rigid stop: the impulse conserves the momentum of the fr
   REQUIRE(std::abs(transition.log_det - transition.liouville) < 1e-11);
 }
 
-TEST_CASE("a chain held at a rigid stop: the other mass moves on, the contact force of the constraint releases it") {
+TEST_CASE("a chain held at a rigid stop: the other mass moves on and the constraint force releases it") {
   const HybridSystem system = equations::make_system(chain("newton", {"k_r"}).system).system;
   const Vector p = parameters(system, {{"push", 0.8}, {"k_r", 0.3}});
   const double m = p[0], mu = p[1], kappa = p[2], c = p[3], xi = p[4], eta = p[5], r = p[6], push = 0.8,
@@ -178,12 +178,13 @@ TEST_CASE("a chain held at a rigid stop: the other mass moves on, the contact fo
     REQUIRE(stick.x_plus[3] == 0.0);
     REQUIRE(release.x_minus[1] == r);
     REQUIRE(release.x_minus[3] == 0.0);
-    // m x1'' = forces on x1; the wall's force holds x2: lambda = mu x1'' - push - kappa (x1 - r) - c v1 >= 0 reversed in sign.
+    // m x1'' is the sum of forces on x1; the force of the wall holds x2. Its sign is reversed here: lambda = mu x1'' - push -
+    // kappa (x1 - r) - c v1 >= 0.
     double t = stick.t, x = stick.x_plus[0], v = stick.x_plus[2];
     const auto acceleration = [&](double s, double q, double u) {
       return (xi * std::cos(eta * s) - 2.0 * c * u - (1.0 + kappa) * q + kappa * r) / m;
     };
-    const auto force = [&](double s, double q, double u) {  // of the wall, pressing while positive
+    const auto force = [&](double s, double q, double u) {  // force of the wall, positive while it presses
       return push + c * u - kappa * (r - q) - mu * acceleration(s, q, u);
     };
     const int steps = 4000;
@@ -205,7 +206,7 @@ TEST_CASE("a chain held at a rigid stop: the other mass moves on, the contact fo
   REQUIRE(sticks > 0);
 }
 
-TEST_CASE("the derivative through a whole series of impacts of a chain is that of the motion") {
+TEST_CASE("the derivative through a whole series of impacts of a chain agrees with differences") {
   const HybridSystem system = equations::make_system(chain("newton", {"k_r"}).system).system;
   const Vector p = parameters(system, {{"push", 0.8}, {"k_r", 0.3}});
   const Vector x0 = vector({0.1, 0.3, 0.0, 0.2});
@@ -234,7 +235,7 @@ TEST_CASE("the derivative through a whole series of impacts of a chain is that o
   }
 }
 
-TEST_CASE("the derivative of a chain that is held all the time is that of the motion") {
+TEST_CASE("the derivative of a chain that is held all the time agrees with differences") {
   const HybridSystem system = equations::make_system(chain("newton", {"k_r"}).system).system;
   const Vector p = parameters(system, {{"push", 5.0}, {"k_r", 0.3}});
   const Vector x0 = vector({0.1, 0.4, 0.2, 0.0});
@@ -248,7 +249,8 @@ TEST_CASE("the derivative of a chain that is held all the time is that of the mo
   for (const Matrix& factor : transition.factors) product = factor * product;
   REQUIRE(distance(product, transition.Phi) < 1e-14);
   for (Eigen::Index k = 0; k < 4; ++k) {
-    // Only off the wall, not into it. From a distance s it falls back in a time of the order of sqrt(s): so large is the error.
+    // Differences off the wall only, not into it. From a distance s the mass falls back in a time of order sqrt(s), which is
+    // the error.
     double error[2];
     for (const int i : {0, 1}) {
       const double s = i == 0 ? 1e-5 : 1e-7;
@@ -262,7 +264,7 @@ TEST_CASE("the derivative of a chain that is held all the time is that of the mo
     REQUIRE(error[1] < (k == 1 ? 2e-4 : 1e-4));
   }
   for (Eigen::Index k = 0; k < p.size(); ++k) {
-    if (system.parameters[static_cast<std::size_t>(k)].name == "r") continue;  // the start would lie elsewhere
+    if (system.parameters[static_cast<std::size_t>(k)].name == "r") continue;  // r would move the start
     Vector q = p, after[2];
     for (const int i : {0, 1}) {
       q[k] = p[k] + (i == 0 ? step : -step);
@@ -275,7 +277,7 @@ TEST_CASE("the derivative of a chain that is held all the time is that of the mo
   }
 }
 
-TEST_CASE("a chain at a Hertz stop written as a force: continuous, exact derivatives, energy conserved without damping") {
+TEST_CASE("a chain at a Hertz stop as a force: continuous, exact derivatives, energy conserved without damping") {
   const HybridSystem written = equations::make_system(chain("force", {"k_H*d^(3/2)*(1 + b_H*d')"}).system).system;
   const HybridSystem named = equations::make_system(chain("hertz", {"k_H", "b_H"}).system).system;
   REQUIRE(written.modes.size() == 2);
@@ -299,7 +301,7 @@ TEST_CASE("a chain at a Hertz stop written as a force: continuous, exact derivat
   const Trajectory run = simulate(written, q, 0.0, x0, {.t_end = 40.0});
   REQUIRE(run.events.size() > 6);
   REQUIRE(energy(run.x) == Approx(energy(x0)).epsilon(1e-8));
-  // One mass: the structure is recognised, and the bits are those of the named law.
+  // One mass: the structure is recognised, with bits identical to those of the built-in law.
   SystemWriter writer;
   writer.system = oscillator_mechanics(oscillator_kind("linear"), contact_law("hertz"));
   const HybridSystem one = equations::make_system(writer.system).system;
@@ -325,7 +327,7 @@ HybridSystem ball_on_table() {
 
 }  // namespace
 
-TEST_CASE("a ball on a shaking table: the 1/1 orbit strikes at the phase of its closed form") {
+TEST_CASE("a ball on a shaking table: the 1/1 orbit impacts at the phase of its closed form") {
   const HybridSystem system = ball_on_table();
   const Vector p = default_parameters(system.parameters);
   const double A = 0.5, e = 0.8, T = 2.0 * std::numbers::pi, Gamma = A;
@@ -340,7 +342,7 @@ TEST_CASE("a ball on a shaking table: the 1/1 orbit strikes at the phase of its 
     REQUIRE(impact.x_plus[1] == Approx(0.5 * T).epsilon(1e-10));
     REQUIRE(impact.x_plus[0] == A * std::sin(impact.t));
   }
-  // Free flights keep the volume, the impact has e^2 of it.
+  // Free flights preserve the volume; an impact multiplies it by e^2.
   Propagator propagator(system, p);
   Transition transition;
   carry(propagator, phase + 0.5, phase + 0.5 + T, vector({A * std::sin(phase) + 0.25 * T - 0.125, 0.5 * T - 0.5}), {},
@@ -356,7 +358,7 @@ TEST_CASE("a ball on a shaking table: the 1/1 orbit strikes at the phase of its 
                all_agree());
 }
 
-TEST_CASE("a ball on a shaking table: complete chattering, rest on the moving table, release where it falls away faster than g") {
+TEST_CASE("a ball on a shaking table: complete chattering, rest on the moving table, release where it falls faster than g") {
   const HybridSystem system = ball_on_table();
   const Vector p = parameters(system, {{"A", 1.2}, {"e", 0.3}});
   const double A = 1.2, T = 2.0 * std::numbers::pi;
@@ -373,7 +375,8 @@ TEST_CASE("a ball on a shaking table: complete chattering, rest on the moving ta
     REQUIRE(one.x_minus[1] == Approx(A * std::cos(one.t)).margin(1e-11));
   }
   REQUIRE(releases >= 2);
-  // At rest on the table from then on, if it never falls away so fast. Nothing is remembered: the multipliers are exactly zero.
+  // At rest on the table from then on, if the table never falls faster than g. The start is forgotten: the multipliers are
+  // exactly zero.
   const Vector q = parameters(system, {{"A", 0.9}, {"e", 0.3}});
   Propagator propagator(system, q);
   Transition transition;
@@ -386,7 +389,7 @@ TEST_CASE("a ball on a shaking table: complete chattering, rest on the moving ta
   const auto rest = permanent_rest(propagator, vector({0.1, 0.5}));
   REQUIRE(rest == vector({0.0, 0.9}));
   REQUIRE(reaches_rest(propagator, transition.x1, *rest));
-  // Period by period the rounding of the integration does not take it off the table or into it.
+  // The rounding of the integration does not lift the ball off the table or push it in, period by period.
   for (int period = 0; period < 200; ++period) {
     const Vector x = transition.x1;
     carry(propagator, 0.0, T, x, {}, transition);
@@ -395,7 +398,7 @@ TEST_CASE("a ball on a shaking table: complete chattering, rest on the moving ta
   }
 }
 
-TEST_CASE("a soft contact with a moving barrier has exact derivatives, and its depth is that of the moving gap") {
+TEST_CASE("a soft contact with a moving barrier has exact derivatives and the depth of the moving gap") {
   for (const bool damped : {false, true}) {
     SystemWriter writer;
     writer.system.name = "soft-table";
@@ -424,7 +427,7 @@ TEST_CASE("a soft contact with a moving barrier has exact derivatives, and its d
   }
 }
 
-TEST_CASE("a Kelvin-Voigt stop ends where its force vanishes, and with adhesion where the gap opens") {
+TEST_CASE("a Kelvin-Voigt stop ends where its force vanishes or with adhesion where the gap opens") {
   const double k = 100.0, c = 4.0, a = 0.5 * c, w = std::sqrt(k - a * a), speed = 1.0;
   const auto depth_rate = [&](double t) { return speed * std::exp(-a * t) * (std::cos(w * t) - a / w * std::sin(w * t)); };
   const auto depth = [&](double t) { return speed / w * std::exp(-a * t) * std::sin(w * t); };
@@ -445,7 +448,7 @@ TEST_CASE("a Kelvin-Voigt stop ends where its force vanishes, and with adhesion 
     REQUIRE(run.events[1].x_plus[0] == Approx(adhesion ? 0.0 : depth(duration)).margin(1e-11));
     REQUIRE(run.x[1] == Approx(depth_rate(duration)).epsilon(1e-10));
     REQUIRE(system.modes[run.mode].name == "free");
-    // The force jumps where the contact begins: the derivative says so.
+    // The force jumps where the contact begins, and the derivative includes the jump.
     REQUIRE(!system.events[0].continuous);
     REQUIRE_THAT(check_transition(system, p, 0.0, 2.0, vector({-0.5, speed}), 1e-8, 1e-5), all_agree());
     for (std::size_t mode = 0; mode < system.modes.size(); ++mode)
@@ -455,7 +458,7 @@ TEST_CASE("a Kelvin-Voigt stop ends where its force vanishes, and with adhesion 
   }
 }
 
-TEST_CASE("several stops: modes are the combinations of what is closed, and dependent constraints are none") {
+TEST_CASE("several stops: modes are the combinations of closed contacts and dependent constraints give none") {
   SystemWriter writer;
   writer.system.name = "two-sided";
   writer.forcing("eta")
@@ -486,11 +489,11 @@ TEST_CASE("several stops: modes are the combinations of what is closed, and depe
   REQUIRE(run.events.size() > 10);
 }
 
-TEST_CASE("two masses that meet: momentum is conserved through chattering and in the common motion, until they are drawn apart") {
+TEST_CASE("two masses that collide: momentum is conserved through chattering and joint motion until they separate") {
   SystemWriter writer;
   writer.system.name = "pair";
   writer.forcing("w").parameter("m", "2").parameter("k", "3").parameter("F", "4").parameter("w", "1").parameter("k_r", "0.4");
-  // A constant attraction, and a force that draws them apart now and then; the gap is that between them.
+  // A constant attraction, and a force that pulls them apart from time to time. The gap is that between the masses.
   writer.mechanics({"x", "y"}, {"v", "u"}, {{{"m", "0"}, {"0", "1"}}, {}, {}, {"k - F*sin(w*t)", "F*sin(w*t) - k"}});
   writer.stop("meeting", "y - x", "newton", {"k_r"});
   const HybridSystem system = equations::make_system(writer.system).system;
@@ -515,7 +518,7 @@ TEST_CASE("two masses that meet: momentum is conserved through chattering and in
   REQUIRE(releases > 1);
 }
 
-TEST_CASE("a mass dropped on another one that lies on the floor: both come to rest in finite time") {
+TEST_CASE("a mass dropped on another one on the floor: both come to rest in finite time") {
   SystemWriter writer;
   writer.system.name = "stack";
   writer.parameter("m", "2").parameter("g", "1").parameter("k_r", "0.4");
@@ -537,7 +540,7 @@ TEST_CASE("a mass dropped on another one that lies on the floor: both come to re
   }
 }
 
-TEST_CASE("stops that are hit together are struck in the order of the file") {
+TEST_CASE("stops that are hit together impact in the order of the file") {
   SystemWriter writer;
   writer.system.name = "together";
   writer.parameter("r", "1").parameter("k_r", "0.5");
@@ -566,7 +569,7 @@ TEST_CASE("a cart with a pendulum at a curved stop has exact derivatives") {
       .parameter("eta", "1.1")
       .parameter("k_r", "0.6")
       .parameter("r", "0.8");
-  // A cart and a pendulum; Coriolis terms stand in the force.
+  // A cart and a pendulum; the force contains the Coriolis terms.
   writer.mechanics({"x", "phi"}, {"v", "w"},
                    {{{"1 + m", "m*cos(phi)"}, {"m*cos(phi)", "m"}},
                     {},
@@ -598,8 +601,8 @@ SystemWriter two(const SystemWriter::Rows& mass) {
 
 }  // namespace
 
-TEST_CASE("mistakes in mechanics are one sentence with the place") {
-  // Lines: 1, 2 the parameter, 3 [mechanics], 4 to 7 the names, 8 to 11 the mass matrix, then what follows.
+TEST_CASE("each mistake in mechanics gives one sentence with its place") {
+  // Lines: 1, 2 the parameter, 3 [mechanics], 4 to 7 the names, 8 to 11 the mass matrix, then the tested text.
   const SystemWriter::Rows unit = {{"1", "0"}, {"0", "1"}};
   REQUIRE(mistake(two({{"m", "1"}, {"1", "1"}}).system) ==
           "system.toml:11:1: the mass matrix is singular or not positive definite at the default parameters (row 2)");
@@ -631,7 +634,7 @@ TEST_CASE("mistakes in mechanics are one sentence with the place") {
   SystemWriter many = two(unit);
   for (int i = 0; i < 7; ++i) many.stop("s" + std::to_string(i), "1 - x", "linear", {"1"});
   REQUIRE(mistake(many.system) == "system.toml:36:1: stops and friction up to s6 make 128 modes; at most 64 are made");
-  // The sliding speed u, and a velocity with that name; the rate of one.
+  // The sliding speed u, a velocity of the same name, and the rate of a velocity.
   const auto slides = [&](const std::string& law, const std::string& velocity) {
     SystemWriter writer;
     writer.parameter("m", "1").mechanics({"x"}, {velocity}, {{{"m"}}});

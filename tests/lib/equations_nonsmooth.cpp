@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// abs, sign, max, min, step, clamp and deadzone split into modes and guards.
+// abs, sign, max, min, step, clamp and deadzone, split into modes and guards.
 #include "support/checks.hpp"
 #include "support/system_texts.hpp"
 #include "support/two_sided_oscillator.hpp"
@@ -18,7 +18,7 @@ SystemWriter forced(const std::string& force, const std::vector<std::pair<std::s
   return writer;
 }
 
-/// The field as it is written, branches included, against that of the mode of the state.
+/// The field as written, with its branches, against the field of the mode of the state.
 void require_same_field(const equations::TextSystem& read,
                         const std::function<double(double, const Vector&, const Vector&)>& force) {
   const HybridSystem& system = read.system;
@@ -44,7 +44,7 @@ void require_same_field(const equations::TextSystem& read,
 
 }  // namespace
 
-TEST_CASE("deadzone: three modes, one combination refuted, all crossings continuous, motion as of the hand-written system") {
+TEST_CASE("deadzone: three modes, one combination refuted, continuous crossings, motion of the hand-written system") {
   const HybridSystem given = two_sided_oscillator(false);
   SystemWriter writer = forced("k_S*deadzone(x, r)");
   writer.system.parameters.push_back({.name = writer.write("r"), .value = writer.write("1"), .above = writer.write("0")});
@@ -67,7 +67,7 @@ TEST_CASE("deadzone: three modes, one combination refuted, all crossings continu
   REQUIRE_THAT(check_transition(system, p, 0.0, 1.5 * T, x0, 1e-7, 1e-5), all_agree());
 }
 
-TEST_CASE("abs, max, min and clamp, also inside one another, have the field of their branches in each mode") {
+TEST_CASE("abs, max, min and clamp, also nested, have in each mode the field of their branches") {
   const auto force = [](const std::string& text, const std::function<double(double, const Vector&, const Vector&)>& f,
                         std::size_t modes) {
     INFO(text);
@@ -92,14 +92,14 @@ TEST_CASE("abs, max, min and clamp, also inside one another, have the field of t
   // On one side the speed does not matter.
   force(
       "max(x, 0)*abs(v)", [](double, const Vector& x, const Vector&) { return std::max(x[0], 0.0) * std::abs(x[1]); },
-      4);  // which sign v has left of x = 0 says where the motion comes out
-  // A parameter's sign is no event.
+      4);  // the sign of v at x < 0 decides the mode after x = 0
+  // The sign of a parameter is not an event.
   force(
       "abs(b)*x + max(b, xi)",
       [](double, const Vector& x, const Vector& p) { return std::abs(p[2]) * x[0] + std::max(p[2], p[1]); }, 1);
 }
 
-TEST_CASE("sign and step: the field jumps, and the saltation through it agrees with differences") {
+TEST_CASE("sign and step: the field jumps and the saltation through it agrees with differences") {
   const equations::TextSystem read = equations::make_system(forced("0.3*sign(x) + step(x - 1/2)").system);
   const HybridSystem& system = read.system;
   REQUIRE(system.modes.size() == 3);
@@ -136,7 +136,7 @@ TEST_CASE("an impact within a split mode leads to the branch behind it") {
   REQUIRE_THAT(check_transition(system, p, 0.0, 10.0, x0, 1e-7, 1e-5), all_agree());
 }
 
-TEST_CASE("a contact whose friction has a sign is entered on the side that the guard's rise tells") {
+TEST_CASE("a contact with a sign in its damping is entered on the side given by the rise of the guard") {
   SystemWriter writer = forced("0*x");
   writer.parameter("r", "0.5").parameter("k", "20");
   writer.mode("contact", "x' = v\nv' = xi*cos(eta*t) - 2*b*v - x - k*(x - r)*(1 + 0.2*sign(v))");
@@ -151,7 +151,7 @@ TEST_CASE("a contact whose friction has a sign is entered on the side that the g
   REQUIRE_THAT(check_transition(system, p, 0.0, 8.0, x0, 1e-7, 1e-5), all_agree());
 }
 
-TEST_CASE("what cannot be split is refused with a sentence") {
+TEST_CASE("nonsmooth functions that cannot be split are refused with a sentence") {
   std::string many = "abs(x)";
   for (int i = 1; i < 8; ++i) many += fmt::format(" + abs(x + {}*v)", i);
   REQUIRE(mistake(forced(many).system) == "system.toml:10:1: the nonsmooth functions of mode free make more than 64 modes of it");
@@ -159,7 +159,7 @@ TEST_CASE("what cannot be split is refused with a sentence") {
           "system.toml:10:1: sign or step inside of abs in mode free is not handled; write its modes out");
 }
 
-TEST_CASE("a reset that does not tell the branch behind it leads to the branch where it ends") {
+TEST_CASE("a reset without a fixed branch leads to the branch of its final state") {
   SystemWriter writer = forced("0.1*abs(v + 1)", {{"r", "0.7"}});
   writer.event({"wall", "impact", "x - r", "v = -0.3 - 0.8*v", "", ""});
   const HybridSystem system = equations::make_system(writer.system).system;
@@ -179,7 +179,7 @@ TEST_CASE("a reset that does not tell the branch behind it leads to the branch w
                all_agree());
 }
 
-TEST_CASE("nests of nonsmooth functions move as the expression as it stands (fixed)") {
+TEST_CASE("nests of nonsmooth functions move as the unsplit expression (fixed)") {
   const auto zone = [](double x, double half) { return x > half ? x - half : x < -half ? x + half : 0.0; };
   const std::vector<std::pair<std::string, std::function<double(double)>>> nests = {
       {"max(0.2, max(x, 0))", [](double x) { return std::max(0.2, std::max(x, 0.0)); }},
@@ -201,7 +201,7 @@ TEST_CASE("nests of nonsmooth functions move as the expression as it stands (fix
     const Trajectory run = simulate(read.system, p, 0.0, vector({0.0, 0.3}), {.t_end = 2.0 * T});
     REQUIRE(run.termination == Termination::time);
     REQUIRE(!run.events.empty());
-    // Runge and Kutta's steps of fourth order; a step over a corner costs its third power, one over a jump its first.
+    // Fourth-order Runge-Kutta steps. A step over a corner has an error of third order, a step over a jump one of first order.
     constexpr int steps = 400000;
     const double h = 2.0 * T / steps;
     const auto rate = [&](double t, double x, double v) {

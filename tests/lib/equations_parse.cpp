@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The grammar, every message of the parser with its place, and that no text exhausts the stack or the time.
+// The grammar, and every message of the parser with its place. No text exhausts the stack or takes long.
 #include "support/expressions.hpp"
 
 #include <catch2/catch.hpp>
@@ -17,7 +17,7 @@ double number(const std::string& text) {
   return static_cast<double>(value(g, read(g, text), {0.5L, {2.0L, 3.0L}, {5.0L, 7.0L}}));
 }
 
-/// The sentence of the mistake, without the file.
+/// The message of the mistake, without the file.
 std::string mistake(const std::string& text) {
   Graph g;
   try {
@@ -70,7 +70,7 @@ TEST_CASE("precedence: powers from the right before signs before products before
   REQUIRE(number("x # a comment = 3\n  + 1") == 3.0);
 }
 
-TEST_CASE("names may have Greek letters, and what looks like a sign but is none is told") {
+TEST_CASE("names may have Greek letters and characters that only look like operators are reported") {
   Graph g;
   REQUIRE(is_name("ξ_1"));
   REQUIRE(is_name("k₂"));
@@ -84,7 +84,7 @@ TEST_CASE("names may have Greek letters, and what looks like a sign but is none 
   CHECK(mistake("x + \xff") == "1:5: a byte 0xff that is no character in the test");
 }
 
-TEST_CASE("every mistake has its place and one sentence") {
+TEST_CASE("every mistake gives one sentence with its place") {
   CHECK(mistake("") == "1:1: nothing stands in the test");
   CHECK(mistake("  \n ") == "2:2: nothing stands in the test");
   CHECK(mistake("x +") == "1:4: an operand is missing at the end in the test");
@@ -145,11 +145,11 @@ TEST_CASE("depth and length are limited: no text exhausts the stack or takes lon
   CHECK(mistake(repeat("sin(", 100000)).find("more than 200") != std::string::npos);
   CHECK(mistake(repeat("(", 150) + "x" + repeat(")", 150)) == "none");
   CHECK(mistake(repeat("x+", 600000) + "x") == "1:1: the text in the test has 1200001 bytes; at most 1048576 are read");
-  // A long sum is no depth.
+  // A long sum has no depth.
   REQUIRE(seconds([&] { REQUIRE(mistake(repeat("x*v/a+", 100000) + "x") == "none"); }) < 5.0);
 }
 
-TEST_CASE("definitions are read in any order, each name once") {
+TEST_CASE("definitions are read in any order and each name is defined once") {
   Graph g;
   const auto values = define(g, {{"c", "a1 + b1"}, {"a1", "2*b1"}, {"b1", "x + 1"}, {"d", "c*c"}});
   REQUIRE(values[0] == read(g, "2*(x + 1) + (x + 1)"));
@@ -157,13 +157,13 @@ TEST_CASE("definitions are read in any order, each name once") {
   REQUIRE(define(g, {{"e", "x*v"}, {"p", "e'"}})[1] == g.rate(read(g, "x*v")));
 }
 
-TEST_CASE("a cycle among definitions is told with the chain of names") {
+TEST_CASE("a cycle among definitions is reported with the chain of names") {
   Graph g;
   REQUIRE_THROWS_WITH(define(g, {{"one", "x + two"}, {"two", "three*2"}, {"three", "v - two"}}),
                       "text:3:14: the definition two depends on itself: two -> three -> two\nthree    v - two\n             ^^^");
   REQUIRE_THROWS_WITH(define(g, {{"self", "1 + self"}}),
                       Catch::StartsWith("text:1:14: the definition self depends on itself: self -> self\n"));
-  // A cycle of many names is shortened.
+  // A long cycle is shortened.
   std::vector<std::pair<std::string, std::string>> many;
   for (int i = 0; i < 20000; ++i) many.emplace_back(fmt::format("d{}", i), fmt::format("d{} + 1", (i + 1) % 20000));
   try {
@@ -175,7 +175,7 @@ TEST_CASE("a cycle among definitions is told with the chain of names") {
   }
 }
 
-TEST_CASE("ten thousand definitions, each made of the one before, are read in well under a second") {
+TEST_CASE("ten thousand nested definitions are read in well under a second") {
   std::vector<std::pair<std::string, std::string>> many = {{"d0", "x"}};
   for (int i = 1; i < 10000; ++i)
     many.emplace_back(fmt::format("d{}", i), fmt::format("a*d{} + sin(d{})/(1 + v^2)", i - 1, i - 1));
@@ -189,7 +189,7 @@ TEST_CASE("ten thousand definitions, each made of the one before, are read in we
   REQUIRE(g.size() < 60000);
 }
 
-TEST_CASE("blocks: equations parted by line breaks and semicolons, going on behind and before operators and in parentheses") {
+TEST_CASE("blocks: line breaks and semicolons separate equations and operators and parentheses continue them") {
   Graph g;
   const std::string text = "# a mode\nx' = v; v' = a*\n  x +\n b*(x\n -\n v)\n   - sin(x)  # last\n\n\n";
   const Source source{"text", text};
@@ -206,7 +206,7 @@ TEST_CASE("blocks: equations parted by line breaks and semicolons, going on behi
   REQUIRE(list[1].value == read(g, "a*x + b*(x - v) - sin(x)"));
   REQUIRE(!block("v = -a*v")[0].primed);
   REQUIRE(block(" ;; ").empty());
-  const auto told = [&](const std::string& of) -> std::string {
+  const auto message_of = [&](const std::string& of) -> std::string {
     try {
       block(of);
     } catch (const EquationError& error) {
@@ -214,15 +214,15 @@ TEST_CASE("blocks: equations parted by line breaks and semicolons, going on behi
     }
     return "none";
   };
-  REQUIRE(told("x' = v\nv'") == "text:2:1: an equation \"name = expression\" was expected at 'v' in the block");
-  REQUIRE(told("x' = v v' = x") == "text:1:11: a second '=' in the equation of x; is a line break or ; missing?");
-  REQUIRE(told("x' = \nv' = x") == "text:1:5: nothing stands in the equation of x");
-  REQUIRE(told("x' = (v\nv' = x") == "text:1:6: '(' is not closed in the equation of x");
-  REQUIRE(told("x' = v +\nv' = x") == "text:1:9: an operand is missing at the end in the equation of x");
-  REQUIRE(told("x' = v\n= 3") == "text:2:1: an equation \"name = expression\" was expected at '=' in the block");
+  REQUIRE(message_of("x' = v\nv'") == "text:2:1: an equation \"name = expression\" was expected at 'v' in the block");
+  REQUIRE(message_of("x' = v v' = x") == "text:1:11: a second '=' in the equation of x; is a line break or ; missing?");
+  REQUIRE(message_of("x' = \nv' = x") == "text:1:5: nothing stands in the equation of x");
+  REQUIRE(message_of("x' = (v\nv' = x") == "text:1:6: '(' is not closed in the equation of x");
+  REQUIRE(message_of("x' = v +\nv' = x") == "text:1:9: an operand is missing at the end in the equation of x");
+  REQUIRE(message_of("x' = v\n= 3") == "text:2:1: an equation \"name = expression\" was expected at '=' in the block");
 }
 
-TEST_CASE("damaged texts are read or refused with a place, and nothing else happens") {
+TEST_CASE("damaged texts are parsed or refused with a place") {
   const std::vector<std::string> pieces = {"x", "v", "a",  "b",     "t",  "pi", "sin(", "max(",   "spline(", "(",   ")", "^",
                                            "-", "+", "*",  "/",     ",",  "'",  "=",    ";",      "1.5",     "1e3", "0", ".",
                                            "#", " ", "\n", "sqrt(", "zz", "ξ",  "\xce", "clamp(", "abs(",    "3"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Normal forms, proofs that something vanishes, bounds, and what is read from them: levels, solutions of guards, rebounds.
+// Normal forms, proofs that an expression vanishes, and bounds. From these follow levels, solutions of guards, and rebounds.
 #include "support/expressions.hpp"
 
 #include <graze/lib/equations/structure.hpp>
@@ -23,12 +23,12 @@ ParameterInfo ranged(const std::string& name, double lower, double upper, bool o
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Of a: positive; of b: any.
+/// Parameter a is positive; b has any sign.
 const std::vector<ParameterInfo> ranges = {ranged("a", 0.0, infinity, true), ranged("b", -infinity, infinity, false)};
 
 }  // namespace
 
-TEST_CASE("expressions that are equal by multiplying out have one normal form") {
+TEST_CASE("expressions that are equal when expanded have one normal form") {
   Graph g;
   const auto same = [&](const std::string& a, const std::string& b) {
     INFO(a << " and " << b);
@@ -45,7 +45,7 @@ TEST_CASE("expressions that are equal by multiplying out have one normal form") 
   same("sin(x - x*1 + v)", "sin(v)");
   REQUIRE(!is_zero(g, read(g, "x^2 - v^2")));
   REQUIRE(!is_zero(g, read(g, "sqrt(x^2) - x")));    // |x| - x
-  REQUIRE(!is_zero(g, read(g, "0.1 + 0.2 - 0.3")));  // as numbers of the file they are not equal
+  REQUIRE(!is_zero(g, read(g, "0.1 + 0.2 - 0.3")));  // as decimal numbers of the file they differ
 }
 
 TEST_CASE("normal forms of random expressions keep their values") {
@@ -60,7 +60,7 @@ TEST_CASE("normal forms of random expressions keep their values") {
   }
 }
 
-TEST_CASE("functions inside functions and long chains are expanded in linear time") {
+TEST_CASE("nested functions and long chains are expanded in linear time") {
   Graph g;
   Expression e = g.state(0);
   for (int i = 0; i < 2000; ++i) e = g.function(Operation::sin, g.add(g.multiply(g.parameter(0), e), g.state(1)));
@@ -68,7 +68,7 @@ TEST_CASE("functions inside functions and long chains are expanded in linear tim
   REQUIRE(is_zero(g, g.subtract(g.multiply(g.constant(2.0), e), g.add(e, e))));
 }
 
-TEST_CASE("bounds of random expressions hold their values") {
+TEST_CASE("bounds of random expressions enclose their values") {
   for (unsigned seed = 1; seed <= 200; ++seed) {
     Graph g;
     RandomExpressions make(g, seed);
@@ -91,7 +91,7 @@ TEST_CASE("bounds of random expressions hold their values") {
   REQUIRE(bounds(g, read(g, "x - v"), ranges).lower == -infinity);
 }
 
-TEST_CASE("guards: levels are recognised in any writing, others are not") {
+TEST_CASE("guards: levels are recognised however they are written") {
   Graph g;
   for (const char* text : {"x - a", "-a + x", "-(a - x)", "(2*x - 2*a)/2", "x + v - (a + v)"}) {
     INFO(text);
@@ -109,7 +109,7 @@ TEST_CASE("guards: levels are recognised in any writing, others are not") {
   }
 }
 
-TEST_CASE("guards are solved for a state in which they are linear, and a difference of fields that vanishes there is found") {
+TEST_CASE("guards are solved for a state in which they are linear and a field difference that vanishes there is found") {
   Graph g;
   const auto any = [](std::size_t) { return true; };
   const auto solution = solve_guard(g, read(g, "a - 2*x + sin(v)"), 2, any);
@@ -129,7 +129,7 @@ TEST_CASE("guards are solved for a state in which they are linear, and a differe
   REQUIRE(!vanishes_on(g, read(g, "sqrt(x^2 + v^2) - a"), read(g, "b*sqrt(x^2 + v^2) - a*b"), ranges));  // b may be zero
 }
 
-TEST_CASE("rebounds: the level and a parameter that turns the speed round") {
+TEST_CASE("rebounds: the level and a parameter that reverses the speed") {
   Graph g;
   const auto level = recognise_level(g, read(g, "x - a"));
   const auto rebound = [&](const std::string& x, const std::string& v) {

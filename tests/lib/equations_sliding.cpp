@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Surfaces where two modes meet, and dry friction: a block on a belt both ways, against an independent integration.
+// Surfaces on which two modes meet, and dry friction. A block on a belt is written both ways and compared with an independent
+// integration.
 #include "support/checks.hpp"
 #include "support/system_texts.hpp"
 
@@ -10,7 +11,7 @@ using namespace graze::support;
 
 namespace {
 
-/// x'' = -x - c x' + friction, belt of speed V, coefficient mu_s/(1 + delta |v - V|).
+/// x'' = -x - c x' + friction, belt of speed V, friction coefficient mu_s/(1 + delta |v - V|).
 SystemWriter belt_as_surface(const std::string& sliding = "stick") {
   SystemWriter writer;
   writer.system.name = "belt";
@@ -29,7 +30,8 @@ SystemWriter belt_as_friction(const std::string& law = "mu_s/(1 + delta*u)", con
   return writer;
 }
 
-/// The slip that begins with sticking at its limit x = mu_s: RK4 with small steps until v = V again; its duration and x there.
+/// The slip that begins at the sticking limit x = mu_s. RK4 with small steps until v = V again. Results: its duration, and x
+/// there.
 struct Slip {
   double duration, x;
 };
@@ -61,7 +63,7 @@ Slip slip(double V, double mu_s, double delta, double kinetic) {
 
 }  // namespace
 
-TEST_CASE("stick-slip of a block on a belt, written as a surface and as friction, is that of an independent integration") {
+TEST_CASE("stick-slip of a block on a belt as a surface and as friction agrees with an independent integration") {
   const Slip reference = slip(0.5, 1.0, 3.0, 1.0);
   for (const bool as_surface : {true, false}) {
     const HybridSystem system = equations::make_system((as_surface ? belt_as_surface() : belt_as_friction()).system).system;
@@ -79,8 +81,8 @@ TEST_CASE("stick-slip of a block on a belt, written as a surface and as friction
     REQUIRE(sticks.size() > 4);
     REQUIRE(sticks.size() + leaves.size() == run.events.size());
     for (std::size_t i = 0; i + 1 < leaves.size(); ++i) {
-      REQUIRE(leaves[i].x_minus[1] == 0.5);                         // sticking keeps the speed of the belt exactly
-      REQUIRE(leaves[i].x_minus[0] == Approx(1.0).epsilon(1e-11));  // and lasts until the spring pulls with mu_s
+      REQUIRE(leaves[i].x_minus[1] == 0.5);                         // a sticking block has exactly the speed of the belt
+      REQUIRE(leaves[i].x_minus[0] == Approx(1.0).epsilon(1e-11));  // sticking lasts until the spring pulls with mu_s
       const EventRecord& next = sticks[i + 1];
       REQUIRE(next.t - leaves[i].t == Approx(reference.duration).epsilon(1e-8));
       REQUIRE(next.x_plus[0] == Approx(reference.x).epsilon(1e-8));
@@ -93,7 +95,7 @@ TEST_CASE("stick-slip of a block on a belt, written as a surface and as friction
     }
     for (std::size_t event = 0; event < system.events.size(); ++event)
       REQUIRE_THAT(check_event(system, event, 0.0, x, p), all_agree());
-    // One cycle forgets a direction altogether: a multiplier is exactly zero, the other one that of time.
+    // In a cycle one direction is lost completely: one multiplier is exactly zero. The other one belongs to the shift in time.
     Propagator propagator(system, p);
     Transition transition;
     const double period = leaves[2].t - leaves[1].t;
@@ -105,7 +107,7 @@ TEST_CASE("stick-slip of a block on a belt, written as a surface and as friction
   }
 }
 
-TEST_CASE("a static coefficient larger than that of sliding delays the slip, which begins with a jump of the force") {
+TEST_CASE("a static coefficient above the sliding one delays the slip and makes the force jump where it begins") {
   const HybridSystem system = equations::make_system(belt_as_friction("0.6/(1 + delta*u)", "mu_s").system).system;
   const Vector p = default_parameters(system.parameters);
   const Slip reference = slip(0.5, 1.0, 3.0, 0.6);
@@ -125,7 +127,7 @@ TEST_CASE("a static coefficient larger than that of sliding delays the slip, whi
   REQUIRE_THAT(check_transition(system, p, 0.0, 9.0, vector({0.1, 0.2}), 1e-7, 1e-5), all_agree());
 }
 
-TEST_CASE("Coulomb friction stops a free mass for good, and a strong spring drives it through rest without sticking") {
+TEST_CASE("Coulomb friction stops a free mass for good and a strong spring drives it through rest without sticking") {
   SystemWriter writer;
   writer.system.name = "coulomb";
   writer.parameter("m", "2").parameter("k", "3").parameter("mu", "0.3").parameter("N", "1");
@@ -149,7 +151,7 @@ TEST_CASE("Coulomb friction stops a free mass for good, and a strong spring driv
   REQUIRE(run.x[1] == 0.0);
 }
 
-TEST_CASE("a surface that is only crossed: both ways, without a sliding mode") {
+TEST_CASE("a surface that is only crossed: both directions without a sliding mode") {
   SystemWriter writer;
   writer.system.name = "crossed";
   writer.states({"x", "v"}).parameter("a", "0.5");
@@ -167,7 +169,7 @@ TEST_CASE("a surface that is only crossed: both ways, without a sliding mode") {
     REQUIRE(run.events[i].t - run.events[i - 2].t == Approx(period).epsilon(1e-10));
 }
 
-TEST_CASE("a curved surface: sliding along a circle keeps it, at the rate of the tangential field") {
+TEST_CASE("a curved surface: sliding along a circle stays on it at the rate of the tangential field") {
   SystemWriter writer;
   writer.system.name = "circle";
   writer.states({"x", "y"}).parameter("k", "2").parameter("w", "0.7");
@@ -186,20 +188,20 @@ TEST_CASE("a curved surface: sliding along a circle keeps it, at the rate of the
   REQUIRE_THAT(check_transition(system, p, 0.0, 3.0, vector({0.5, 0.1}), 1e-7, 1e-5), all_agree());
 }
 
-TEST_CASE("friction and a rigid stop: an impact breaks the sticking or turns the slip, and the signs follow its speed") {
+TEST_CASE("friction and a rigid stop: an impact ends the sticking or reverses the slip and the signs follow its speed") {
   SystemWriter writer;
   writer.system.name = "belt-and-wall";
   writer.parameter("V", "0.5").parameter("r", "0.5").parameter("k_r", "0.6").parameter("mu", "1");
   writer.mechanics({"x"}, {"v"}, {{{"1"}}, {}, {{"1"}}, {}});
   writer.stop("wall", "r - x", "newton", {"k_r"}).friction("belt", "v - V", "1", "mu/(1 + 3*u)");
   const HybridSystem system = equations::make_system(writer.system).system;
-  // Held at the wall the block does not stick to the belt, which moves.
+  // The belt moves, so that a block held at the wall does not stick to it.
   REQUIRE(system.modes.size() == 5);
   const Vector p = default_parameters(system.parameters);
   const Trajectory run = simulate(system, p, 0.0, vector({0.0, 0.5}), {.t_end = 30.0});
   REQUIRE(run.termination == Termination::time);
   REQUIRE(run.events[0].kind == EventKind::impact);
-  REQUIRE(run.events[0].t == Approx(1.0).epsilon(1e-11));  // carried to the wall by the belt
+  REQUIRE(run.events[0].t == Approx(1.0).epsilon(1e-11));  // the belt carries the block to the wall
   REQUIRE(run.events[0].x_plus[1] == Approx(-0.3).epsilon(1e-13));
   REQUIRE(system.modes[run.events[0].mode_plus].name == "belt backward");
   for (const EventRecord& one : run.events) {
@@ -209,13 +211,13 @@ TEST_CASE("friction and a rigid stop: an impact breaks the sticking or turns the
     if (mode == "belt forward") REQUIRE(u > -1e-9);
     if (mode == "belt stick") REQUIRE(u == 0.0);
   }
-  // In the end the friction of the belt, 1/(1 + 3/2) = 0.4, does not hold it at the wall against the spring, 0.5.
+  // Finally the friction of the belt, 1/(1 + 3/2) = 0.4, cannot hold the block at the wall against the spring, 0.5.
   REQUIRE(std::none_of(run.events.begin(), run.events.end(), [](const EventRecord& one) { return one.x_plus[0] > 0.5; }));
   for (std::size_t event = 0; event < system.events.size(); ++event)
     REQUIRE_THAT(check_event(system, event, 0.0, vector({0.3, 0.2}), p), all_agree());
 }
 
-TEST_CASE("two coupled blocks on a belt stick and slip on their own: speeds and limits hold, derivatives are exact") {
+TEST_CASE("two coupled blocks on a belt stick and slip separately: speeds and limits hold and derivatives are exact") {
   SystemWriter writer;
   writer.system.name = "blocks";
   writer.parameter("V", "0.3").parameter("k", "1.2").parameter("mu", "1").parameter("N2", "1.4");
@@ -233,7 +235,7 @@ TEST_CASE("two coupled blocks on a belt stick and slip on their own: speeds and 
     both += a && b;
     if (a) REQUIRE(segment.x1[2] == 0.3);
     if (b) REQUIRE(segment.x1[3] == 0.3);
-    // Both at rest on the belt: no accelerations, so the springs pull with the friction alone.
+    // Both stick to the belt: there is no acceleration, and the springs balance the friction alone.
     if (!a || !b) continue;
     REQUIRE(std::abs(2.2 * segment.x1[0] - 1.2 * segment.x1[1]) <= 1.0 + 1e-9);
     REQUIRE(std::abs(2.2 * segment.x1[1] - 1.2 * segment.x1[0]) <= 1.4 + 1e-9);
@@ -242,7 +244,7 @@ TEST_CASE("two coupled blocks on a belt stick and slip on their own: speeds and 
   REQUIRE_THAT(check_transition(system, p, 0.0, 10.0, x0, 1e-7, 1e-5), all_agree());
 }
 
-TEST_CASE("a reset of the text ends the sliding if it leaves the surface, and crosses to the side where it ends") {
+TEST_CASE("a reset of the text ends the sliding if it leaves the surface and crosses to the side of its final state") {
   SystemWriter writer = belt_as_surface();
   writer.parameter("r", "0.5").event({"wall", "impact", "x - r", "v = -0.6*v", "", ""});
   const HybridSystem system = equations::make_system(writer.system).system;
@@ -270,7 +272,7 @@ TEST_CASE("a reset of the text ends the sliding if it leaves the surface, and cr
   }
 }
 
-TEST_CASE("mistakes in surfaces and friction are one sentence with the place") {
+TEST_CASE("each mistake in surfaces and friction gives one sentence with its place") {
   const auto mistake = [](const equations::SystemText& text) -> std::string {
     try {
       equations::make_system(text);

@@ -5,12 +5,12 @@
 
 using namespace graze::equations;
 
-TEST_CASE("places count lines from the text's own place and columns in characters") {
+TEST_CASE("places count lines from the position of the text in its file and columns in characters") {
   const Source source{"beam.toml", "a = 1\nξ' = \"η·v + x\"\n"};
   const Text text{"η·v +\n  ξξ x", {2, 7, 9}};
   const Places places(text);
   REQUIRE(places(0, 2).column == 7);
-  REQUIRE(places(4, 1).line == 2);  // v, behind two characters of two bytes
+  REQUIRE(places(4, 1).line == 2);  // v, after two characters of two bytes
   REQUIRE(places(4, 1).column == 9);
   const Place last = places(text.text.size() - 1, 1);
   REQUIRE(last.line == 3);
@@ -20,7 +20,7 @@ TEST_CASE("places count lines from the text's own place and columns in character
   REQUIRE(characters("ξη v") == 4);
 }
 
-TEST_CASE("an equation error shows its line with carets under the characters of the place, tabs kept") {
+TEST_CASE("an equation error shows its line with carets under the characters of the place and keeps tabs") {
   const Source source{"beam.toml", "a = 1\n\tξ' = η + etaa*x\nlast"};
   const EquationError error(source, {2, 12, 4}, "unknown name 'etaa'");
   REQUIRE(error.sentence() == "beam.toml:2:12: unknown name 'etaa'");
@@ -44,7 +44,7 @@ TEST_CASE("of a long line an equation error shows the part around the place") {
   REQUIRE(what.find("ξ") - line == what.find('^') - caret);
 }
 
-TEST_CASE("strings of a file begin behind their quotes") {
+TEST_CASE("strings of a file begin after their quotes") {
   const Source source{"f", "a = \"x + 1\"\nb = \"\"\"\n  x' = v\n\"\"\"\nc = \"\"\"y\"\"\"\nd = 'z'\n"};
   REQUIRE(quoted_text(source, {1, 5, 7}, "x + 1").place.column == 6);
   const Text block = quoted_text(source, {2, 5, 3}, "  x' = v\n");

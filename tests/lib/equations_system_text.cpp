@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Systems as text: parameters, periods, rates, contact powers, the initial mode, and every mistake with its exact sentence.
+// Systems as text: parameters, periods, rates, contact powers, the initial mode, and every mistake with its exact message.
 #include "support/checks.hpp"
 #include "support/system_texts.hpp"
 
@@ -10,7 +10,7 @@ using namespace graze::support;
 
 namespace {
 
-/// One state more than the mistake needs: x' = v, v' = the force.
+/// A system with one state more than the mistake needs: x' = v, v' = the force.
 SystemWriter with_force(const std::string& force) {
   SystemWriter writer;
   writer.system.name = "test";
@@ -41,8 +41,8 @@ TEST_CASE("the rimless wheel as text: autonomous, a reset of both states, a frac
   REQUIRE(read.start->isApprox(vector({0.08 - std::numbers::pi / 8, 0.5})));
   REQUIRE_THAT(check_mode(system, 0, 0.0, *read.start, p), all_agree());
   REQUIRE_THAT(check_event(system, 0, 0.0, *read.start, p), all_agree());
-  // The walking cycle: w+ = cos(2 alpha) w-, and energy in between; w-^2 (1 - cos^2) = 2 (cos(gamma - alpha) - cos(gamma +
-  // alpha)).
+  // The walking cycle: w+ = cos(2 alpha) w-, and conservation of energy in between:
+  // w-^2 (1 - cos^2) = 2 (cos(gamma - alpha) - cos(gamma + alpha)).
   const double drop = 2.0 * (std::cos(p[1] - p[0]) - std::cos(p[1] + p[0])), c = std::cos(2.0 * p[0]);
   const double before = std::sqrt(drop / (1.0 - c * c));
   const Trajectory run = simulate(system, p, 0.0, vector({p[1] - p[0], c * before}), {.t_end = 8.0});
@@ -50,7 +50,7 @@ TEST_CASE("the rimless wheel as text: autonomous, a reset of both states, a frac
   for (const EventRecord& event : run.events) REQUIRE(event.x_minus[1] == Approx(before).epsilon(1e-11));
 }
 
-TEST_CASE("second derivatives of a field come from its expressions") {
+TEST_CASE("second derivatives of a field follow from its expressions") {
   const equations::TextSystem read = equations::make_system(duffing_text());
   equations::Graph& graph = *read.graph;
   const equations::Expression f = read.modes[0].field[1], x = graph.state(0);
@@ -58,7 +58,7 @@ TEST_CASE("second derivatives of a field come from its expressions") {
   REQUIRE(equations::to_text(graph, twice, {{"x", "v"}, {"b", "A", "eta", "beta", "r", "k_r"}}) == "-(beta*(3*(2*x)))");
 }
 
-TEST_CASE("a period of its own: T(p) and its derivative serve instead of a forcing frequency") {
+TEST_CASE("an explicit period: T(p) and its derivative replace the forcing frequency") {
   SystemWriter writer;
   writer.system.name = "timed";
   writer.states({"x", "v"}).parameter("T", "3").parameter("xi", "1.5").parameter("r", "0.5").parameter("k_r", "0.8");
@@ -113,12 +113,12 @@ TEST_CASE("rates: d' of a definition along the field of its mode, x' of a state"
     const double wanted = 9.0 * rate + 0.2 * (f[1] + 0.3 * 1.69 * std::sin(1.3 * t));
     REQUIRE(read.outputs[0].value(mode, t, x, p) == Approx(wanted).epsilon(1e-13));
   }
-  // Entered with a damping force: the field jumps. Left where the force vanishes: it does not.
+  // On entry with a damping force the field jumps. On exit the force vanishes and the field is continuous.
   REQUIRE(!read.system.events[0].continuous);
   REQUIRE(read.system.events[1].continuous);
 }
 
-TEST_CASE("a contact power in any number of states, on either side, is zero outside its contact and continuous") {
+TEST_CASE("a contact power in any number of states and on either side is zero outside its contact and continuous") {
   SystemWriter writer;
   writer.system.name = "chain";
   writer.states({"x1", "v1", "x2", "v2"}).parameter("k", "50").parameter("r", "0.2");
@@ -140,7 +140,7 @@ TEST_CASE("a contact power in any number of states, on either side, is zero outs
   REQUIRE(read.outputs[0].value(1, 0.0, inside, p) == Approx(50.0 * std::pow(0.2, 1.5)));
   REQUIRE(read.outputs[0].value(0, 0.0, outside, p) == 0.0);
   REQUIRE_THAT(check_transition(system, p, 0.0, 6.0, vector({0.5, 1.0, -0.1, 0.2}), 1e-6, 1e-5), all_agree());
-  // Powers of what cannot be negative need no guard: an orbit in a central field.
+  // Powers of an expression that cannot be negative need no guard: an orbit in a central field.
   SystemWriter central;
   central.system.name = "central";
   central.states({"x", "y", "u", "v"}).mode("all", "x' = u; y' = v; u' = -x/(x^2 + y^2)^(3/2); v' = -y/(x^2 + y^2)^(3/2)");
@@ -150,7 +150,7 @@ TEST_CASE("a contact power in any number of states, on either side, is zero outs
   REQUIRE((run.x - *orbit.start).norm() < 1e-10);
 }
 
-TEST_CASE("the initial mode: the first whose guards are not positive, and beyond an impact guard no motion begins") {
+TEST_CASE("the initial mode: the first without a positive guard and no start beyond an impact guard") {
   const HybridSystem system = equations::make_system(duffing_text()).system;
   const Vector p = default_parameters(system.parameters);
   REQUIRE(mode_at(system, 0.0, vector({0.1, 3.0}), p) == 0);
@@ -160,7 +160,7 @@ TEST_CASE("the initial mode: the first whose guards are not positive, and beyond
   REQUIRE(!mode_at(system, 0.0, vector({-0.61, 0.0}), p).has_value());
 }
 
-TEST_CASE("an event without from is one of every mode") {
+TEST_CASE("an event without from belongs to every mode") {
   SystemWriter writer = with_force("-x");
   writer.mode("other", "x' = v; v' = -2*x");
   writer.event({"wall", "impact", "x - r", "v = -v", "", ""}).event({"change", "other", "-v - 1", "", "free", "other"});
@@ -172,7 +172,7 @@ TEST_CASE("an event without from is one of every mode") {
   REQUIRE(read.events[2].text == 1);
 }
 
-TEST_CASE("splines from tables stand in equations") {
+TEST_CASE("splines from tables may appear in equations") {
   SystemWriter writer = with_force("-spline(track, x) - k*spline(track', x)");
   writer.system.tables = {{"track", {-4.0, -1.0, 0.0, 1.0, 4.0}, {-3.0, -1.0, 0.0, 1.5, 3.0}}};
   const HybridSystem system = equations::make_system(writer.system).system;
@@ -181,7 +181,7 @@ TEST_CASE("splines from tables stand in equations") {
   REQUIRE(unknown == "system.toml:8:22: unknown table 'track' in the equation of v");
 }
 
-TEST_CASE("mistakes in names and parameters have one sentence with the place") {
+TEST_CASE("each mistake in names and parameters gives one sentence with its place") {
   REQUIRE(force_mistake("-x + etaa") == "system.toml:8:19: unknown name 'etaa' in the equation of v");
   REQUIRE(force_mistake("-x*") == "system.toml:8:17: an operand is missing at the end in the equation of v");
   REQUIRE(mistake(with_force("-x").definition("k", "2").system) ==
@@ -216,7 +216,7 @@ TEST_CASE("mistakes in names and parameters have one sentence with the place") {
   REQUIRE_NOTHROW(check_parameters({below}, Vector::Constant(1, std::nextafter(3.0, 0.0))));
 }
 
-TEST_CASE("mistakes in modes and events have one sentence with the place") {
+TEST_CASE("each mistake in modes and events gives one sentence with its place") {
   const auto mode = [](const std::string& equations) {
     SystemWriter writer;
     writer.states({"x", "v"}).parameter("k", "2").mode("free", equations);
@@ -258,7 +258,7 @@ TEST_CASE("mistakes in modes and events have one sentence with the place") {
       "system.toml:12:1: an event called 'wall' exists already");
 }
 
-TEST_CASE("mistakes in values at the start have one sentence with the place") {
+TEST_CASE("each mistake in values at the start gives one sentence with its place") {
   REQUIRE(force_mistake("-1/x") == "system.toml:8:17: the divisor x is zero at the start");
   REQUIRE(force_mistake("-x^-2") == "system.toml:8:16: the divisor x is zero at the start");
   REQUIRE(force_mistake("-1/(k - 4*r)") == "system.toml:8:17: the divisor k - 4*r is zero at the default parameters");
@@ -285,7 +285,7 @@ TEST_CASE("mistakes in values at the start have one sentence with the place") {
           "system.toml:10:21: the power of x - r has an infinite derivative at the guard through which mode touch is entered");
 }
 
-TEST_CASE("mistakes in the forcing have one sentence with the place") {
+TEST_CASE("each mistake in the forcing gives one sentence with its place") {
   const auto forced = [](const std::string& force, const std::string& frequency, const std::string& period) {
     SystemWriter writer = with_force(force);
     if (!frequency.empty()) writer.forcing(frequency);

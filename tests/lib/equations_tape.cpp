@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tape against plain recursion in long double, its parts, and that nothing is computed twice.
+// The tape against plain recursion in long double, and its parts. Each common subexpression is computed once.
 #include "support/expressions.hpp"
 
 #include <graze/lib/equations/tape.hpp>
@@ -11,7 +11,7 @@
 using namespace graze::equations;
 using namespace graze::support;
 
-TEST_CASE("tapes of random expressions and their derivatives agree with recursion, in double and in long double") {
+TEST_CASE("tapes of random expressions and their derivatives agree with recursion in double and in long double") {
   double worst = 0.0, worst_long = 0.0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
     Graph g;
@@ -33,12 +33,12 @@ TEST_CASE("tapes of random expressions and their derivatives agree with recursio
     }
   }
   INFO(worst << ", in long double " << worst_long);
-  // Conditioning: a few operations amplify roundings (1.1e-16 and 5.4e-20).
+  // Conditioning: a few operations amplify rounding errors (1.1e-16 and 5.4e-20).
   REQUIRE(worst < 1e-13);
   REQUIRE(worst_long < 5e-17);
 }
 
-TEST_CASE("a tape computes each common part once and sine and cosine together, and its parts by what they depend on") {
+TEST_CASE("a tape computes each common part once, sine and cosine together, and its parts by their dependence") {
   Graph g;
   const std::vector<Expression> outputs = {read(g, "a/b*cos(a*t)*x + sin(a*t)"), read(g, "sin(a*t)*(a/b) + v^2")};
   const Tape tape(g, outputs);
@@ -47,10 +47,10 @@ TEST_CASE("a tape computes each common part once and sine and cosine together, a
   REQUIRE(tape.length(Tape::of_parameters) == 1);
   REQUIRE(tape.length(Tape::of_time) == 5);
   REQUIRE(tape.length(Tape::of_states) == 4);
-  // What is not asked for is not computed.
+  // Unrequested parts are not computed.
   const Expression only = read(g, "x + 1");
   REQUIRE(Tape(g, std::span(&only, 1)).workspace() == 3);
-  // The parts can be run one by one.
+  // The parts can run one by one.
   std::vector<double> workspace(tape.workspace());
   const double p[2] = {0.7, 1.3};
   tape.run<double>(Tape::of_parameters, 0.0, nullptr, p, workspace.data());
@@ -72,7 +72,7 @@ TEST_CASE("integer powers are products and contact powers vanish outside their c
   REQUIRE(contact_power(2.0, 1.3) == std::pow(2.0, 1.3));
 }
 
-TEST_CASE("one tape serves several threads, each with its own workspace") {
+TEST_CASE("several threads share one tape, each with its own workspace") {
   Graph g;
   RandomExpressions make(g, 3);
   const Expression e = make(6);

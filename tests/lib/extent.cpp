@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Extrema and integrals of functions of the motion against closed forms, and against sampling where there are none.
+// Extrema and integrals of functions of the motion, against closed forms, or against samples where there is no closed form.
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/motion/extent.hpp>
 
@@ -34,7 +34,7 @@ void set(const HybridSystem& system, Vector& p, const char* name, double value) 
 
 }  // namespace
 
-TEST_CASE("extents along a harmonic motion are those of its closed form") {
+TEST_CASE("extents along a harmonic motion agree with the closed form") {
   // x = R cos(eta t - phi), v = -R eta sin(eta t - phi).
   const HybridSystem system = make_oscillator("linear", "newton");
   Vector p = default_parameters(system.parameters);
@@ -59,16 +59,16 @@ TEST_CASE("extents along a harmonic motion are those of its closed form") {
   CHECK(std::abs(found[2].largest - R * eta * eta) < tolerance);
   CHECK(std::abs(found[3].integral - R * R / 2.0 * T) < tolerance * R * T);
   CHECK(std::abs(found[3].smallest) < 1e-20);
-  // Bends of abs(v) where v vanishes, a jump of step(x).
+  // abs(v) has corners where v vanishes; step(x) jumps.
   CHECK(std::abs(found[4].integral - 4.0 * R) < tolerance * T);
   CHECK(std::abs(found[4].smallest) < tolerance);
   CHECK(std::abs(found[6].integral - T / 2.0) < 1e-11 * T);
-  // The work of the force is what the damper takes: 2 b v^2.
+  // The work of the force is the energy lost in the damper: the integral of 2 b v^2.
   CHECK(std::abs(found[5].integral - b * R * R * eta * eta * T) < tolerance * R * T);
 }
 
-TEST_CASE("extents of functions that jump and bend are those of their closed forms, whatever else is measured") {
-  // The undamped motion x = cos t beside the forcing: v = -sin t, so that every sign change is known.
+TEST_CASE("extents of functions with jumps and corners agree with closed forms for any selection of functions") {
+  // The undamped and unforced motion x = cos t: v = -sin t, so that every sign change is known.
   const HybridSystem system = make_oscillator("linear", "newton");
   Vector p = default_parameters(system.parameters);
   set(system, p, "b", 0.0);
@@ -114,8 +114,8 @@ TEST_CASE("extents of functions that jump and bend are those of their closed for
   }
 }
 
-TEST_CASE("extents of a ball that comes to rest are the sums of its flights") {
-  // A flight that begins with speed u: height u^2/(2 g), way u^2/g, area 2 u^3/(3 g^2).
+TEST_CASE("extents of a ball that comes to rest are the sums over its flights") {
+  // A flight that begins with speed u: height u^2/(2 g), distance u^2/g, area 2 u^3/(3 g^2).
   const HybridSystem system = bouncing_ball();
   const double g = 9.81, k_r = 0.8, u = 3.0;
   const Vector p = vector({g, 0.0, k_r});
@@ -128,7 +128,7 @@ TEST_CASE("extents of a ball that comes to rest are the sums of its flights") {
   CHECK(std::abs(found[0].integral - 2.0 * u * u * u / (3.0 * g * g) / (1.0 - k_r * k_r * k_r)) < 1e-12);
   CHECK(std::abs(found[1].integral - u * u / g / (1.0 - k_r * k_r)) < 1e-11);
   CHECK(std::abs(found[2].largest - u) < 1e-13);
-  CHECK(std::abs(found[2].smallest + u) < 1e-12);  // right before the first impact
+  CHECK(std::abs(found[2].smallest + u) < 1e-12);  // immediately before the first impact
 }
 
 TEST_CASE("extents through a Hertz contact agree with the fundamental theorem and with samples") {
@@ -147,7 +147,7 @@ TEST_CASE("extents through a Hertz contact agree with the fundamental theorem an
   std::vector<double> times(40001);
   for (std::size_t i = 0; i < times.size(); ++i) times[i] = T * static_cast<double>(i) / 40000.0;
   const Matrix samples = sample(system, p, run, times);
-  // Samples miss a maximum by x'' h^2 / 8 at most.
+  // Samples miss a maximum by at most x'' h^2 / 8.
   const double missed = found[2].largest - found[2].smallest, step = T / 40000.0;
   for (const Eigen::Index i : {0, 1}) {
     CHECK(found[static_cast<std::size_t>(i)].largest >= samples.col(i + 1).maxCoeff() - 1e-13);
@@ -157,7 +157,7 @@ TEST_CASE("extents through a Hertz contact agree with the fundamental theorem an
   CHECK(found[0].smallest >= samples.col(1).minCoeff() - missed * step * step / 8.0);
 }
 
-TEST_CASE("extents of what is not finite are not known") {
+TEST_CASE("extents of functions that are not finite are NaN") {
   const HybridSystem system = make_oscillator("linear", "newton");
   Vector p = default_parameters(system.parameters);
   set(system, p, "r", 100.0);

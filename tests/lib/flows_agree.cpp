@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where two flows apply they agree to 1e-11 over a forcing period: the closed form, the series and the regularised contact
-// against the general integrator, in the state, in Phi and in Psi (every parameter both can differentiate in), from many random
-// starts with other than published parameter values, undamped, critical and overdamped too.
+// Where two flows apply, they agree within 1e-11 over a forcing period. The closed form, the series and the regularised
+// contact are compared with the general integrator in the state, Phi and Psi (every parameter in which both can
+// differentiate). The random starts have parameter values beyond the published ones, including undamped, critical and
+// overdamped systems.
 #include "support/checks.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
@@ -13,7 +14,7 @@ using namespace graze::support;
 
 namespace {
 
-/// Parameters drawn anew; b is given.
+/// Random parameters; b is given.
 Vector draw(const HybridSystem& system, double b, Random& random) {
   Vector p = parameters(system, {{"b", b}, {"xi", random(0.4, 1.6)}, {"eta", random(0.3, 0.9)}, {"r", random(-0.3, 0.9)}});
   for (std::size_t i = oscillator_parameter::law; i < system.parameters.size(); ++i) {
@@ -43,12 +44,13 @@ struct Comparison {
   double state = 0.0, Phi = 0.0, Psi = 0.0;
 };
 
-/// One period from random starts by both kinds of flow. Runs with an impact slower than 0.05 are left out: such an impact
-/// multiplies every error by 1/speed, and no accuracy over the period could be promised.
+/// One period from random starts with both kinds of flow. Runs with an impact slower than 0.05 are skipped: such an impact
+/// multiplies every error by 1/speed, so that no accuracy over the period can be guaranteed.
 Comparison compare_flows(const OscillatorKind& kind, const ContactLaw& law, double b, int runs, unsigned seed) {
   const HybridSystem system = make_oscillator(kind, law);
   std::vector<std::size_t> active = all_parameters(system);
-  if (kind.beta == 0.0) active.erase(active.begin() + oscillator_parameter::beta);  // not in the closed form
+  // The closed form has no derivative in beta.
+  if (kind.beta == 0.0) active.erase(active.begin() + oscillator_parameter::beta);
   Random random(seed);
   Comparison worst;
   while (worst.runs < runs) {
@@ -77,12 +79,12 @@ Comparison compare_flows(const OscillatorKind& kind, const ContactLaw& law, doub
 
 }  // namespace
 
-TEST_CASE("where two flows apply they agree to 1e-11 over a period: state, Phi and Psi, all laws, any damping") {
+TEST_CASE("where two flows apply state and Phi and Psi agree within 1e-11 over a period for all laws and any damping") {
   unsigned seed = 1;
   for (const OscillatorKind& kind : oscillator_kinds()) {
     for (const ContactLaw& law : contact_laws()) {
       if (!has_two_flows(make_oscillator(kind, law))) continue;
-      // Each flow errs by some 1e-13 per contact, grown by the motion; a defect of either stands out at 1e-11.
+      // Each flow has an error of some 1e-13 per contact, amplified by the motion. A defect of either stands out at 1e-11.
       for (const double b : {0.0, 0.05, 0.4, 1.0, 1.6}) {
         const Comparison worst = compare_flows(kind, law, b, 60, seed++);
         INFO(kind.name << ", " << law.name << ", b = " << b << ": state " << worst.state << ", Phi " << worst.Phi << ", Psi "

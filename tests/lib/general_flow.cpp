@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The general integrator: order of convergence in state and event time, its options, and guards that are hard to watch.
+// The general integrator: order of convergence in state and event time, its options, and guards that are hard to resolve.
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 #include "support/two_sided_oscillator.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Free flight of the cantilever up to its barrier, in long double: instant and speed of the impact.
+/// Free flight of the cantilever up to its barrier, in long double: time and speed of the impact.
 struct Impact {
   double t, v;
 };
@@ -38,7 +38,7 @@ Impact cantilever_impact(const Vector& p, double t0, const Vector& x0, double gu
   return {static_cast<double>(t), static_cast<double>(z[1])};
 }
 
-/// x' = 1, with guard h(x) given: the step control finds nothing to resolve, so that steps are as long as they may be.
+/// x' = 1, with guard h(x) given. The step control has nothing to resolve, so that each step has the largest allowed length.
 HybridSystem clock_with_guard(double (*h)(double), double (*slope)(double)) {
   HybridSystem system;
   system.name = "clock";
@@ -69,7 +69,7 @@ TEST_CASE("the general integrator has order 8 in the state and in the event time
   const HybridSystem system = make_oscillator("cantilever", "newton");
   const Vector p = parameters(system, {{"r", 0.6}, {"eta", 0.7}, {"xi", 0.5}});
   const Vector x0 = vector({-0.6, -1.0});
-  const auto with_step = [&](double h) {  // a tolerance that is always met leaves every step at max_step
+  const auto with_step = [&](double h) {  // a tolerance that is always met: every step has length max_step
     Flow flow = make_flow(system, 0, p, {}, {.kind = FlowKind::general, .tolerance = 1.0, .max_step = h});
     Segment segment;
     flow.carry({0.0, 10.0, Sensitivity::none}, x0, segment);
@@ -89,7 +89,7 @@ TEST_CASE("the general integrator has order 8 in the state and in the event time
   CHECK(order_v > 7.5);
 }
 
-TEST_CASE("a tighter tolerance of the general flow brings state and event time closer in proportion") {
+TEST_CASE("the errors of state and event time of the general flow fall in proportion to the tolerance") {
   const HybridSystem system = make_oscillator("cantilever", "newton");
   for (const double eta : {0.7, 1.6}) {
     const Vector p = parameters(system, {{"r", 0.6}, {"eta", eta}, {"xi", 0.5}});
@@ -105,14 +105,14 @@ TEST_CASE("a tighter tolerance of the general flow brings state and event time c
     for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13}) {
       const Segment segment = with_tolerance(tolerance);
       INFO("eta " << eta << ", tolerance " << tolerance);
-      // Each of some ten steps errs by at most the tolerance; over the flight that is grown by less than 10.
+      // Each of some ten steps has an error of at most the tolerance, which the flight amplifies by less than 10.
       CHECK(std::abs(segment.t1 - exact.t) < 30.0 * tolerance + 1e-14);
       CHECK(std::abs(segment.x1[1] - exact.v) < 30.0 * tolerance + 1e-14);
     }
   }
 }
 
-TEST_CASE("max_step bounds the steps of the general integrator, and is a sixteenth of the forcing period by default") {
+TEST_CASE("max_step bounds the steps of the general integrator and is a sixteenth of the forcing period by default") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"xi", 0.0}, {"eta", 0.5}, {"r", 9.0}});
   const auto evaluations = [&](double max_step, double tolerance) {
@@ -121,7 +121,8 @@ TEST_CASE("max_step bounds the steps of the general integrator, and is a sixteen
     flow.carry({0.0, 4.0 * pi, Sensitivity::none}, vector({1.0, 0.0}), segment);
     return segment.evaluations;
   };
-  // Thirteen evaluations a step: over one period the default needs sixteen steps or a few more, half of it twice as many.
+  // Thirteen evaluations a step. Over one period the default needs sixteen steps or a few more; half of max_step needs twice
+  // as many.
   const double sixteenth = 4.0 * pi / 16.0;
   CHECK(evaluations(0.0, 1.0) == evaluations(sixteenth, 1.0));
   CHECK(evaluations(0.0, 1.0) >= 16 * 13);
@@ -130,7 +131,7 @@ TEST_CASE("max_step bounds the steps of the general integrator, and is a sixteen
   CHECK(evaluations(100.0, 1.0) < evaluations(0.0, 1.0));
 }
 
-TEST_CASE("more than max_steps steps end a segment as failed, where it stands") {
+TEST_CASE("more than max_steps steps end a segment as failed at the time reached") {
   const HybridSystem system = make_oscillator("cantilever", "hertz");
   for (const FlowKind kind : {FlowKind::automatic, FlowKind::general}) {
     for (const std::size_t mode : {0, 1}) {
@@ -146,14 +147,14 @@ TEST_CASE("more than max_steps steps end a segment as failed, where it stands") 
       const Trajectory run = simulate(system, p, 0.0, x0, {.t_end = 1000.0}, {.kind = kind, .max_steps = 7});
       REQUIRE(run.termination == Termination::integration_failed);
       REQUIRE(run.segments.back().end == FlowEnd::failed);
-      // What was reached is a state of the motion.
+      // The final state is a state of the motion.
       const Trajectory there = simulate(system, p, 0.0, x0, {.t_end = segment.t1}, {.kind = kind});
       REQUIRE((there.x - segment.x1).norm() < 1e-11);
     }
   }
 }
 
-TEST_CASE("a state that grows beyond all bounds ends the run as an escape, not as a number") {
+TEST_CASE("a state that grows without bound ends the run as an escape") {
   // x'' = x^3 (beta < 0 beyond its barrier) reaches infinity in finite time.
   const HybridSystem system = make_oscillator("cantilever", "newton");
   const Vector p = parameters(system, {{"beta", -1.0}, {"r", 10.0}, {"xi", 0.0}});
@@ -163,7 +164,7 @@ TEST_CASE("a state that grows beyond all bounds ends the run as an escape, not a
   }
 }
 
-TEST_CASE("a field that is not a number in one component alone ends the run as failed") {
+TEST_CASE("a field with NaN in one component ends the run as failed") {
   HybridSystem system = clock_with_guard([](double) { return -1.0; }, [](double) { return 0.0; });
   system.states = 2;
   for (Mode& mode : system.modes)
@@ -174,8 +175,9 @@ TEST_CASE("a field that is not a number in one component alone ends the run as f
   REQUIRE(run.t < 1.0 + 1e-9);
 }
 
-TEST_CASE("a guard that rises above zero and falls again within one step is seen, whatever its slopes at the ends") {
-  // Cubic guards with two roots close together, or far apart, inside a step that the field would let be as long as the run.
+TEST_CASE("a guard that rises above zero and falls again within one step is detected for any slopes at the ends") {
+  // Cubic guards with two roots close together, or far apart, inside one step. The field would allow a step as long as the
+  // run.
   struct Shape {
     double (*h)(double);
     double (*slope)(double);
@@ -206,7 +208,7 @@ TEST_CASE("a guard that rises above zero and falls again within one step is seen
   }
 }
 
-TEST_CASE("a guard that never leaves zero does not fire, nor does one that touches it from below") {
+TEST_CASE("a guard that stays at zero does not fire and neither does one that touches zero from below") {
   const HybridSystem flat = clock_with_guard([](double) { return 0.0; }, [](double) { return 0.0; });
   REQUIRE(run_clock(flat, 0.0, 5.0).events.empty());
   const HybridSystem touching =
@@ -216,12 +218,12 @@ TEST_CASE("a guard that never leaves zero does not fire, nor does one that touch
       clock_with_guard([](double x) { return std::pow(x - 1.0, 3.0); }, [](double x) { return 3.0 * (x - 1.0) * (x - 1.0); });
   const Trajectory run = run_clock(flat_crossing, 0.0, 5.0);
   REQUIRE(run.events.size() == 1);
-  // A triple root is known to the cube root of rounding.
+  // A triple root has the error (rounding)^(1/3).
   REQUIRE(run.x[0] == Approx(1.0).margin(1e-4));
 }
 
-TEST_CASE("a hop off the barrier that drowns in the rounding of x does not make the general flow look without end") {
-  // Met in a chatter of two rigid stops: x = -r + 1e-17 is -r, while the speed says that the barrier is near.
+TEST_CASE("a rebound below the rounding of x does not stall the general flow") {
+  // Found in chatter between two rigid stops: x = -r + 1e-17 rounds to -r, although the speed shows that the barrier is near.
   const HybridSystem system = two_sided_oscillator(true);
   const Vector p = parameters(system, {{"b", 0.05}, {"r", 0.7}, {"eta", 0.9}, {"k_r", 0.8}});
   for (const double v : {4.2752865486225654e-09, 1e-8, 1e-7}) {
@@ -232,8 +234,8 @@ TEST_CASE("a hop off the barrier that drowns in the rounding of x does not make 
   }
 }
 
-TEST_CASE("events at the same instant but for rounding fire in the order in which they are declared") {
-  // Three clocks of different rates reach their marks at t = 0.7 by different roundings.
+TEST_CASE("events simultaneous up to rounding fire in the order of their declaration") {
+  // Three clocks of different rates reach their marks at t = 0.7 with different rounding errors.
   for (const double rate : {3.0, 0.1, 7.77, 1.0 / 3.0}) {
     HybridSystem system = clock_with_guard([](double x) { return x - 0.7; }, [](double) { return 1.0; });
     system.states = 3;
@@ -246,7 +248,7 @@ TEST_CASE("events at the same instant but for rounding fire in the order in whic
       event.guard.dx = [=](double, const Vector&, const Vector&, Vector& g) { g.setUnit(which); };
       event.reset.map = [=](double, const Vector& x, const Vector&, Vector& out) {
         out = x;
-        out[which] = level - 100.0;  // far from its mark, but the other clocks stand as they were
+        out[which] = level - 100.0;  // far from its mark, while the other clocks keep their values
       };
       event.reset.dx = [=](double, const Vector&, const Vector&, Matrix& J) {
         J.setIdentity();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions next to grazing in SIMD lanes: as many impacts as the Propagator finds, wherever x peaks.
+// Motions near grazing in SIMD lanes: the same number of impacts as in the Propagator, for any position of the maximum of x.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 
@@ -12,7 +12,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("lanes miss no impact next to grazing") {
+TEST_CASE("lanes miss no impact near grazing") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = make_oscillator("linear", law);
   // The impactless orbit with its amplitude from just below the barrier to just above, and motions close to it.
@@ -32,8 +32,8 @@ TEST_CASE("lanes miss no impact next to grazing") {
 
 TEST_CASE("lanes miss no impact between the points of their grid") {
   const char* law = GENERATE("newton", "hertz", "linear");
-  // Hardly damped above resonance, where x peaks against the forcing, bent as much as it may be at the barrier; and transients
-  // beside it, which shift the peaks between the points of the grid, from below the barrier to above it.
+  // Weak damping above resonance: x has its maxima against the forcing, with the largest curvature possible at the barrier.
+  // Transients beside it shift the maxima between the points of the grid, from below the barrier to above it.
   const HybridSystem system = make_oscillator("linear", law);
   std::vector<Vector> sets;
   std::vector<MotionStart> starts;

@@ -202,7 +202,7 @@ Event release() {
     g[r] = 1.0 + 3.0 * p[beta] * p[r] * p[r];
     g[beta] = p[r] * p[r] * p[r];
   };
-  // At release the acceleration of the free mass at (r, 0) is zero: state and field go over continuously.
+  // At release the acceleration of the free mass at (r, 0) is zero: state and field are continuous.
   event.continuous = true;
   return event;
 }
@@ -212,7 +212,8 @@ void attach_newton(HybridSystem& system) {
   system.events.push_back(impact());
   system.events.push_back(release());
   system.initial_mode = [](double t, const Vector& x, const Vector& p) -> std::optional<std::size_t> {
-    if (x[0] - p[r] > guard_tolerance * (1.0 + std::abs(x[0]))) return std::nullopt;  // on it, but for rounding, is not inside
+    // A mass on the barrier up to rounding is not inside.
+    if (x[0] - p[r] > guard_tolerance * (1.0 + std::abs(x[0]))) return std::nullopt;
     const bool at_rest_on_barrier = x[0] == p[r] && x[1] == 0.0;
     return at_rest_on_barrier && barrier_acceleration(t, p) > 0.0 ? held : free_flight;
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The regularised Hertz contact: reference contacts in quadruple precision, order of convergence in state and event time, and
-// what the unregularised equations lose.
+// the order lost without regularisation.
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 #include "support/runge_kutta8.hpp"
@@ -26,7 +26,7 @@ Segment one_contact(const HybridSystem& system, const Vector& p, double t0, doub
   return segment;
 }
 
-/// (y, v, t) in s: the equations of DESIGN, written once more.
+/// (y, v, t) as functions of s: an independent copy of the regularised equations (DESIGN).
 template <class Number> auto regularised(const Vector& p) {
   return [=](const std::array<Number, 3>& z, std::array<Number, 3>& dz) {
     const Number y = z[0], v = z[1], x = Number(p[r]) + y * y;
@@ -41,7 +41,7 @@ struct Exit {
   double t, v, s;
 };
 
-/// A contact with fixed steps h of rk8_step; the last step ends on y = 0 by Newton on its length.
+/// A contact with fixed steps h of rk8_step. Newton's method on the length of the last step makes it end at y = 0.
 Exit fixed_step_contact(const Vector& p, double speed, double h) {
   const auto field = regularised<double>(p);
   detail::Stage<3> z{0.0, speed, 0.0}, k1, next, error;
@@ -67,7 +67,7 @@ double order(double coarse, double fine, double ratio = 2.0) { return std::log(c
 
 }  // namespace
 
-TEST_CASE("single Hertz contacts end at the speed and after the time of the reference, to 1e-12") {
+TEST_CASE("single Hertz contacts reproduce the reference exit speed and exit time within 1e-12") {
   const toml::table file = toml::parse_file(GRAZE_DATA_DIR "/reference.toml");
   const toml::array* list = file["contact"].as_array();
   REQUIRE(list != nullptr);
@@ -97,7 +97,7 @@ TEST_CASE("the regularised contact has order 8 in the exit speed and in the exit
     for (const double barrier : {2.0, 0.5}) {
       const Vector p = damped_hertz(barrier);
       const Exit exact = fixed_step_contact(p, speed, 0.01);
-      // Steps that divide the passage into 8, 16, 32: beyond that the errors reach rounding.
+      // Steps that divide the contact into 8, 16, 32. With more steps the errors reach rounding.
       const double S = exact.s;
       const Exit coarse = fixed_step_contact(p, speed, S / 8), middle = fixed_step_contact(p, speed, S / 16),
                  fine = fixed_step_contact(p, speed, S / 32);
@@ -106,13 +106,13 @@ TEST_CASE("the regularised contact has order 8 in the exit speed and in the exit
       INFO("time errors " << coarse.t - exact.t << " " << middle.t - exact.t << " " << fine.t - exact.t);
       CHECK(order(std::abs(coarse.v - exact.v), std::abs(fine.v - exact.v), 4.0) > 7.5);
       CHECK(order(std::abs(coarse.t - exact.t), std::abs(fine.t - exact.t), 4.0) > 7.5);
-      CHECK(std::abs(middle.v - exact.v) < 1e-8);  // and the errors are those of a method that has begun to converge
+      CHECK(std::abs(middle.v - exact.v) < 1e-8);  // and the errors are in the range of convergence
     }
   }
 }
 
-TEST_CASE("the series of a contact is that of the motion and of its tangent to order 16, cubic stiffness and damping included") {
-  // Against the equations of DESIGN in (y, v, t) and dPhi/ds = y A Phi in (x, v), which share no form with the series.
+TEST_CASE("the series of a contact has order 16 in motion and tangent with cubic stiffness and damping") {
+  // Reference: the equations of DESIGN in (y, v, t), and dPhi/ds = y A Phi in (x, v). They share no formula with the series.
   HertzContact contact;
   contact.value = {0.07, 36.0 / 35.0, 1.1, 0.8, 0.6, 90.0, 0.15};
   const Vector p = vector({contact.value[0], contact.value[1], contact.value[2], contact.value[3], contact.value[4],
@@ -157,13 +157,13 @@ TEST_CASE("the series of a contact is that of the motion and of its tangent to o
     }
     for (std::size_t k = 0; k < 7; ++k) {
       INFO("quantity " << k << ": errors " << error[0][k] << " " << error[1][k]);
-      CHECK(error[0][k] > 1e-13);                      // more than rounding: the order shows
-      CHECK(error[1][k] < error[0][k] / 3e4 + 1e-14);  // 2^15 at least
+      CHECK(error[0][k] > 1e-13);                      // above rounding, so that the order shows
+      CHECK(error[1][k] < error[0][k] / 3e4 + 1e-14);  // at least 2^15
     }
   }
 }
 
-TEST_CASE("the series of a contact differ by rounding from processor to processor and with further columns") {
+TEST_CASE("the series of a contact agree to rounding on any processor and with more columns") {
   HertzContact contact;
   contact.value = {0.07, 36.0 / 35.0, 1.1, 0.8, 0.6, 90.0, 0.15};
   const std::vector<std::size_t> none, all{0, 1, 2, 3, 4, 5, 6, HertzContact::count};
@@ -194,7 +194,7 @@ TEST_CASE("the series of a contact differ by rounding from processor to processo
       numbers.insert(numbers.end(), out.q + 2, std::end(out.q));
       return numbers;
     };
-    // Sums of 17 terms, whose sums of products have coefficients of some hundreds.
+    // Sums of 17 terms, with sums of products that have coefficients of some hundreds.
     const auto agree = [](const std::vector<double>& a, const std::vector<double>& b, std::size_t count) {
       double most = 0.0;
       for (std::size_t k = 0; k < count; ++k) most = std::max(most, std::abs(a[k] - b[k]) / (1.0 + std::abs(a[k])));
@@ -205,12 +205,12 @@ TEST_CASE("the series of a contact differ by rounding from processor to processo
     REQUIRE(agree(more, end(generic_all), more.size()));
     REQUIRE(agree(found, more, 10));
     REQUIRE(agree(found, end(bare), 6));
-    REQUIRE(more[17] == 0.0);  // in what the contact does not depend on
+    REQUIRE(more[17] == 0.0);  // in a parameter that does not enter the contact
   }
 }
 
 TEST_CASE("the regularised contact keeps its accuracy through exit: an error in the root enters squared") {
-  // dt/ds = y and dv/ds ~ y vanish at y = 0: a root off by d moves time and speed by d^2 only.
+  // dt/ds = y and dv/ds ~ y vanish at y = 0: an error d of the root moves time and speed only by d^2.
   const Vector p = damped_hertz();
   const auto field = regularised<double>(p);
   const Exit exact = fixed_step_contact(p, 1.0, 0.05);
@@ -229,14 +229,14 @@ TEST_CASE("the regularised contact keeps its accuracy through exit: an error in 
   }
 }
 
-TEST_CASE("integrated without regularisation, a method of order 4 or 8 loses its order at the entry into contact") {
-  // x'' = -k_H max(0, x)^(3/2), entered at speed 1 in the middle of a step: the error falls as h^(5/2), whatever the method.
+TEST_CASE("without regularisation a method of order 4 or 8 loses its order at the entry into contact") {
+  // x'' = -k_H max(0, x)^(3/2), entered at speed 1 in the middle of a step: the error falls as h^(5/2) for any method.
   constexpr double k = 100.0, D = 0.2;
   const auto field = [](const detail::Stage<2>& z, detail::Stage<2>& dz) {
     const double y = std::sqrt(std::max(0.0, z[0]));
     dz = {z[1], -k * y * y * y};
   };
-  // Exactly: from (0, 1) by extrapolation in s, up to the s where t = D.
+  // Exact solution: from (0, 1) by extrapolation in s, up to the s where t = D.
   const auto in_s = [](long double, const LongState<3>& z, LongState<3>& dz) {
     dz = {z[1] / 2, -static_cast<long double>(k) * z[0] * z[0] * z[0] * z[0], z[0]};
   };
@@ -275,7 +275,7 @@ TEST_CASE("integrated without regularisation, a method of order 4 or 8 loses its
   CHECK(lost8 < 2.8);
 }
 
-TEST_CASE("a tighter tolerance of the contact flow brings state and exit time closer in proportion") {
+TEST_CASE("the errors of state and exit time of the contact flow fall in proportion to the tolerance") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   for (const double speed : {1.5, 0.2, 1e-3}) {
     const Vector p = damped_hertz();
@@ -283,17 +283,17 @@ TEST_CASE("a tighter tolerance of the contact flow brings state and exit time cl
     for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
       const Segment contact = one_contact(system, p, 0.3, speed, {.tolerance = tolerance});
       INFO("speed " << speed << ", tolerance " << tolerance);
-      // A handful of steps, each within the tolerance; what they leave grows little over one contact.
+      // A few steps, each within the tolerance. One contact amplifies their errors little.
       CHECK(std::abs(contact.t1 - exact.t1) < 5.0 * tolerance + 1e-15);
       CHECK(std::abs(contact.x1[1] - exact.x1[1]) < 20.0 * tolerance + 2e-15);
     }
     const Segment loose = one_contact(system, p, 0.3, speed, {.tolerance = 1e-4});
-    if (speed > 0.1) CHECK(loose.evaluations < exact.evaluations / 2);  // a weak contact takes its few steps anyhow
+    if (speed > 0.1) CHECK(loose.evaluations < exact.evaluations / 2);  // a weak contact has few steps at any tolerance
   }
 }
 
-TEST_CASE("a contact of any weakness is not stepped over") {
-  // Released just above rest on the barrier the mass stays in contact for 2 v/|a|, to first order in v.
+TEST_CASE("a contact of any weakness is detected") {
+  // A mass that leaves rest on the barrier with a small speed v stays in contact for 2 v/|a|, to first order in v.
   const HybridSystem system = make_oscillator("linear", "hertz");
   for (double speed = 1e-1; speed > 1e-13; speed /= 10.0) {
     const Vector p = damped_hertz();
@@ -306,7 +306,7 @@ TEST_CASE("a contact of any weakness is not stepped over") {
   }
 }
 
-TEST_CASE("contacts of extreme stiffness and speed are carried") {
+TEST_CASE("contacts of extreme stiffness and speed are integrated") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   for (const double stiffness : {1e-2, 1.0, 1e4, 1e6, 1e9}) {
     for (const double speed : {1e-6, 1e-2, 1.0, 10.0}) {
@@ -322,7 +322,7 @@ TEST_CASE("contacts of extreme stiffness and speed are carried") {
   }
 }
 
-TEST_CASE("from rest on the barrier the contact's derivatives are those of the motion") {
+TEST_CASE("from rest on the barrier the derivatives of the contact agree with differences") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"r", 0.5}, {"xi", 1.2}, {"eta", 0.8}, {"b_H", 0.1}});
   const std::vector<std::size_t> active = all_parameters(system);

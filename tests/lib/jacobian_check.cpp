@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The helper that checks every Jacobian: it must find the wrong ones.
+// Tests of the helper that checks every Jacobian: it must reject wrong ones.
 #include "support/checks.hpp"
 
 using namespace graze;
@@ -17,7 +17,7 @@ Matrix slope(const Vector& x) {
 
 }  // namespace
 
-TEST_CASE("a right Jacobian passes the check, with an honest estimate of its error") {
+TEST_CASE("a correct Jacobian passes the check with an accurate estimate of its error") {
   const Vector x = vector({0.7, -1.3});
   const JacobianCheck check = check_jacobian(curve, x, slope(x));
   REQUIRE(check.agrees(1e-11));
@@ -29,7 +29,7 @@ TEST_CASE("a right Jacobian passes the check, with an honest estimate of its err
   REQUIRE(coarse / fine == Approx(16.0).epsilon(0.1));
 }
 
-TEST_CASE("a wrong entry, a wrong sign and a transposed matrix are found and named") {
+TEST_CASE("a wrong entry, a wrong sign and a transposed matrix are detected and named") {
   const Vector x = vector({0.7, -1.3});
   for (Eigen::Index i = 0; i < 3; ++i) {
     for (Eigen::Index j = 0; j < 2; ++j) {
@@ -57,7 +57,7 @@ TEST_CASE("a Jacobian or a function that is not finite never agrees") {
   REQUIRE_FALSE(check_jacobian(root, vector({0.0}), Matrix::Ones(1, 1)).agrees(1e300));
 }
 
-TEST_CASE("steps grow with the argument, and an empty Jacobian is right") {
+TEST_CASE("steps grow with the argument and an empty Jacobian agrees") {
   const auto square = [](const Vector& z) { return Vector::Constant(1, z[0] * z[0]).eval(); };
   REQUIRE(check_jacobian(square, vector({1e8}), Matrix::Constant(1, 1, 2e8)).agrees(1e-9));
   REQUIRE(check_jacobian(square, vector({1.0}), Matrix::Constant(1, 1, 2.0)).agrees(1e-12));

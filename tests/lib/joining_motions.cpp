@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that stop when lanes would run dry, and others that join them there, against each of them alone.
+// Motions that stop when lanes would become idle, and motions that join them. Each is compared with the same motion alone.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 #include "support/lane_widths.hpp"
@@ -15,7 +15,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("motions stop together when lanes have nothing left to do, and go on to the same") {
+TEST_CASE("motions that stop together when lanes become idle continue to the same results") {
   const auto [model, law] = GENERATE(table<const char*, const char*>(
       {{"linear", "newton"}, {"linear", "hertz"}, {"cantilever", "newton"}, {"cantilever", "hertz"}}));
   const HybridSystem system = make_oscillator(model, law);
@@ -23,7 +23,7 @@ TEST_CASE("motions stop together when lanes have nothing left to do, and go on t
   const bool tangent = GENERATE(false, true);
   constexpr std::size_t count = 20;
   std::vector<MotionStart> starts = random_starts(count, 0.3, 1);
-  starts.back() = {0, 0.8, 0.0};  // inside the barrier, which the rigid one refuses
+  starts.back() = {0, 0.8, 0.0};  // inside the barrier: inadmissible for the rigid stop
   const auto periods = [](std::size_t i) { return i < count / 2 ? 3 + i : 60 + 10 * i; };
   for (const LaneWidth width : widths_of_processor) {
     if (!available(width)) continue;
@@ -61,16 +61,16 @@ TEST_CASE("motions stop together when lanes have nothing left to do, and go on t
 
 namespace {
 
-/// Lets a motion that has had its share go on, and one of those that wait join when one is through.
+/// Continues a motion that has used up its quota. When a motion is finished, a waiting one joins.
 struct Joining : RunSupply {
   LaneCarrier& many;
   std::vector<MotionRun*> waiting;
   std::size_t share, joined = 0, shares = 0;
   Joining(LaneCarrier& lanes, std::vector<MotionRun*> others, std::size_t most)
       : many(lanes), waiting(std::move(others)), share(most) {
-    through = [](RunSupply& self, MotionRun& run, std::size_t periods) { static_cast<Joining&>(self).go_on(run, periods); };
+    through = [](RunSupply& self, MotionRun& run, std::size_t periods) { static_cast<Joining&>(self).update(run, periods); };
   }
-  void go_on(MotionRun& run, std::size_t periods) {
+  void update(MotionRun& run, std::size_t periods) {
     CHECK(periods <= share);
     if (run.carried < run.periods) {
       if (periods == share && many.join(run)) ++shares;
@@ -83,7 +83,7 @@ struct Joining : RunSupply {
 
 }  // namespace
 
-TEST_CASE("motions join others in the lanes, and come to the same") {
+TEST_CASE("motions that join others in the lanes have the same results") {
   const auto [model, law] = GENERATE(table<const char*, const char*>(
       {{"linear", "newton"}, {"linear", "hertz"}, {"linear", "linear"}, {"cantilever", "newton"}, {"cantilever", "hertz"}}));
   const HybridSystem system = make_oscillator(model, law);
@@ -91,7 +91,7 @@ TEST_CASE("motions join others in the lanes, and come to the same") {
   const bool tangent = GENERATE(false, true);
   constexpr std::size_t count = 60;
   std::vector<MotionStart> starts = random_starts(count, 0.3, 1);
-  starts[30] = {0, 0.8, 0.0};  // inside the barrier, which the rigid one refuses
+  starts[30] = {0, 0.8, 0.0};  // inside the barrier: inadmissible for the rigid stop
   for (const LaneWidth width : widths_of_processor) {
     if (!available(width)) continue;
     for (const std::size_t at_first : {1, 3, 20}) {
@@ -130,7 +130,7 @@ TEST_CASE("motions join others in the lanes, and come to the same") {
   }
 }
 
-TEST_CASE("a motion with other flights, or with a table of contacts to be made, does not join") {
+TEST_CASE("a motion of another kind of flight or with a pending table of contacts does not join") {
   const HybridSystem system = make_oscillator("cantilever", "hertz");
   const Vector cubic = parameters(system, {{"eta", 0.711}, {"r", 0.5}});
   Vector linear = cubic;

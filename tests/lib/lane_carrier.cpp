@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions side by side in SIMD lanes against the same motions one by one (Propagator), and against themselves in fewer lanes.
+// Motions side by side in SIMD lanes, against the same motions one by one (Propagator), and against fewer lanes.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 #include "support/lane_widths.hpp"
@@ -22,7 +22,7 @@ HybridSystem oscillator(const char* law) { return make_oscillator("linear", law)
 
 }  // namespace
 
-TEST_CASE("lanes carry the motions that the Propagator carries") {
+TEST_CASE("lanes and Propagator agree") {
   const auto [law, parameter, value] = GENERATE(table<const char*, const char*, double>({{"newton", "k_r", 1.0},
                                                                                          {"newton", "k_r", 0.6},
                                                                                          {"hertz", "b_H", 0.0},
@@ -46,19 +46,19 @@ TEST_CASE("lanes carry the motions that the Propagator carries") {
   REQUIRE(results.size() == starts.size() * periods);
   const Difference worst = compare(system, sets, starts, periods, results);
   CHECK(worst.state < 1e-12);
-  // Between impacts that lose energy in quick succession the tangent is large before it is small again: of the largest difference
-  // (1.1e-12) a computation with 40 digits gives either side half.
-  // And an instant that is known to 1e-15 is a tangent that is known to 5e-12 in a contact of stiffness 5000.
+  // Between impacts that lose energy in quick succession the tangent is first large and then small again. A computation with
+  // 40 digits attributes half of the largest difference (1.1e-12) to either side. In a contact of stiffness 5000, an event
+  // time with error 1e-15 gives a tangent with error 5e-12.
   CHECK(worst.tangent < (dissipative || value == 5000.0 ? 1e-11 : 1e-12));
   CHECK(worst.volume < 1e-12);
   CHECK(worst.impacts == 0);
   CHECK(worst.other_endings == 0);
   CHECK(many.carried() == results.size());
-  // What the Propagator is left with: weak and chattering impacts, more of them where impacts lose energy.
+  // The Propagator takes over weak and chattering impacts, which are more frequent where impacts lose energy.
   CHECK(static_cast<double>(many.left_over()) < (dissipative ? 0.3 : 0.02) * static_cast<double>(many.carried()));
 }
 
-TEST_CASE("lanes of any width give the same to the last bit") {
+TEST_CASE("lanes of any width give identical bits") {
   const auto [model, xi, r] = GENERATE(table<const char*, double, double>({{"linear", 1.0, 2.0}, {"cantilever", 0.4, 0.3}}));
   const HybridSystem system = make_oscillator(model, GENERATE("newton", "hertz", "linear"));
   const bool tangent = GENERATE(true, false);
@@ -75,7 +75,7 @@ TEST_CASE("lanes of any width give the same to the last bit") {
   }
 }
 
-TEST_CASE("lanes on all threads give the same to the last bit") {
+TEST_CASE("lanes on all threads give identical bits") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = oscillator(law);
   const auto starts = random_starts(61, 2.0, 3);
@@ -89,7 +89,7 @@ TEST_CASE("lanes on all threads give the same to the last bit") {
   CHECK(same_bits(one, several));
 }
 
-TEST_CASE("a motion in lanes does not depend on its company") {
+TEST_CASE("a motion in lanes does not depend on the other motions") {
   const HybridSystem system = oscillator("hertz");
   LaneCarrier many(system);
   many.add_parameters(parameters(system, {{"eta", 0.711}, {"b_H", 0.1}}));
@@ -103,7 +103,7 @@ TEST_CASE("a motion in lanes does not depend on its company") {
   }
 }
 
-TEST_CASE("a motion in lanes comes to the same however its periods are divided") {
+TEST_CASE("a motion in lanes does not depend on the division of its periods between calls") {
   const auto [model, xi, r] = GENERATE(table<const char*, double, double>({{"linear", 1.0, 2.0}, {"cantilever", 0.4, 0.3}}));
   const std::string law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = make_oscillator(model, law);
@@ -124,7 +124,7 @@ TEST_CASE("a motion in lanes comes to the same however its periods are divided")
       in_contact += same.x > r ? 1 : 0;
     }
   }
-  CHECK((in_contact > 20) == (law != "newton"));  // periods that end there
+  CHECK((in_contact > 20) == (law != "newton"));  // periods that end in contact
 }
 
 TEST_CASE("lanes leave chattering, sticking and inadmissible motions to the Propagator") {
@@ -163,7 +163,7 @@ TEST_CASE("a contact may begin and end with a period in lanes") {
 }
 
 TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions") {
-  // Grids of 3 to 700 cells a period, and angles within a cell up to its bound for either frequency.
+  // Grids of 3 to 700 cells a period, with angles within a cell up to its bound for either frequency.
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = oscillator(law);
   std::vector<Vector> sets;
@@ -177,22 +177,22 @@ TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions") {
   constexpr std::size_t periods = 4;
   std::vector<PeriodResult> results;
   many.carry(starts, periods, true, results);
-  // (At its default tolerance the Propagator's tangent errs by 3e-11 in some of these: 300 time units of contacts a period.)
+  // (At its default tolerance the tangent of the Propagator has errors up to 3e-11 here: 300 time units of contacts a period.)
   FlowOptions fine;
   fine.tolerance = 1e-15;
   const Difference worst = compare(system, sets, starts, periods, results, fine);
   CHECK(worst.state < 1e-12);
   CHECK(worst.tangent < 3e-12);
-  // The determinant of a contact is a difference of products of its entries, of which damping leaves little.
+  // The determinant of a contact is a difference of products of its entries, and damping leaves little of it.
   CHECK(worst.volume < (std::string(law) == "newton" ? 2e-12 : 1e-8));
   CHECK(worst.impacts == 0);
   CHECK(worst.other_endings == 0);
   CHECK(many.left_over() < many.carried() / 4);
 }
 
-TEST_CASE("strongly damped contacts in lanes are those of the Propagator") {
-  // Restitutions down to 0.01 and below; and masses that are pressed against the stop and creep, for whole periods, which leaves
-  // exp(-1000) and less of a disturbance of the speed.
+TEST_CASE("strongly damped contacts in lanes agree with the Propagator") {
+  // Restitutions down to 0.01 and below. Also masses that are pressed against the stop and creep for whole periods, which
+  // reduces a disturbance of the speed by exp(-1000) and more.
   const HybridSystem system = oscillator("hertz");
   const double clearance = GENERATE(0.3, -1.5), eta = clearance > 0.0 ? 1.3 : 0.2;
   std::vector<Vector> sets;
@@ -213,8 +213,8 @@ TEST_CASE("strongly damped contacts in lanes are those of the Propagator") {
   CHECK(many.left_over() < many.carried() / 4);
 }
 
-TEST_CASE("a contact may shrink a disturbance to nothing and go on") {
-  // Half of its divergence, -1356, is beyond the numbers that there are.
+TEST_CASE("a contact may reduce a disturbance to zero and the motion continues") {
+  // Half of its divergence is -1356: exp(-1356) is below the smallest double.
   const HybridSystem system = oscillator("hertz");
   const std::vector<Vector> sets = {parameters(
       system, {{"b", 0.045717}, {"xi", 4.518903}, {"eta", 0.538887}, {"r", -2.488204}, {"k_H", 6.477598}, {"b_H", 22.776033}})};
@@ -230,7 +230,7 @@ TEST_CASE("a contact may shrink a disturbance to nothing and go on") {
   CHECK(worst.tangent < 1e-12);
 }
 
-TEST_CASE("what the lanes do not know is told") {
+TEST_CASE("systems that the lanes do not support are reported") {
   FlowOptions general;
   general.kind = FlowKind::general;
   const HybridSystem newton = oscillator("newton"), beam = make_oscillator("cantilever", "newton"),
@@ -245,7 +245,7 @@ TEST_CASE("what the lanes do not know is told") {
   CHECK_FALSE(LaneCarrier::applies(newton, parameters(newton, {{"eta", 0.003}})));  // more cells a period than a grid may have
   CHECK(LaneCarrier::applies(beam, default_parameters(beam.parameters)));
   CHECK(LaneCarrier::applies(elastic, parameters(elastic, {{"k_S", 10000.0}})));
-  CHECK_FALSE(LaneCarrier::applies(elastic, parameters(elastic, {{"k_S", 100000.0}})));  // likewise
+  CHECK_FALSE(LaneCarrier::applies(elastic, parameters(elastic, {{"k_S", 100000.0}})));  // the same
   const HybridSystem two_sided = two_sided_oscillator(true);
   LaneCarrier many(two_sided);
   CHECK_THROWS_WITH(many.add_parameters(default_parameters(two_sided.parameters)),
@@ -255,7 +255,7 @@ TEST_CASE("what the lanes do not know is told") {
   CHECK_THROWS_WITH(none.carry({{0, 0.0, 0.0}}, 1, false, results), Catch::Contains("0 were added"));
 }
 
-TEST_CASE("a period in a single lane is a period of flights and impacts") {
+TEST_CASE("a period in a single lane consists of flights and impacts") {
   const HybridSystem system = oscillator("newton");
   for (const double k_r : {1.0, 0.7, 0.0}) {
     const Vector p = parameters(system, {{"eta", 0.711}, {"k_r", k_r}});
@@ -279,8 +279,8 @@ TEST_CASE("a period in a single lane is a period of flights and impacts") {
   }
 }
 
-TEST_CASE("lanes go on behind starts inside the barrier") {
-  // Fixed: with every lane on such a start they left all that followed to the Propagator.
+TEST_CASE("lanes continue after starts inside the barrier") {
+  // Fixed: when every lane had such a start, all later motions were left to the Propagator.
   const HybridSystem system = oscillator("newton");
   LaneCarrier many(system, {}, LaneWidth::one);
   const std::size_t set = many.add_parameters(parameters(system, {{"r", 2.0}, {"k_r", 0.8}}));
@@ -294,7 +294,7 @@ TEST_CASE("lanes go on behind starts inside the barrier") {
   }
 }
 
-TEST_CASE("a few motions take fewer lanes, to the same result") {
+TEST_CASE("a few motions use fewer lanes with the same results") {
   const auto [law, periods] = GENERATE(table<const char*, std::size_t>({{"newton", 40}, {"hertz", 20}}));
   const HybridSystem system = oscillator(law);
   const Vector p = parameters(system, {{"r", 1.5}, {"eta", 0.8}});
@@ -315,7 +315,7 @@ TEST_CASE("a few motions take fewer lanes, to the same result") {
   }
 }
 
-TEST_CASE("lanes write down the speeds of impacts and of entries into contact") {
+TEST_CASE("lanes record the speeds of impacts and of entries into contact") {
   const auto [model, law] = GENERATE(table<const char*, const char*>({{"linear", "newton"},
                                                                       {"linear", "hertz"},
                                                                       {"linear", "linear"},
@@ -333,7 +333,7 @@ TEST_CASE("lanes write down the speeds of impacts and of entries into contact") 
   std::vector<PeriodResult> results(starts.size() * periods);
   std::vector<ImpactSpeeds> speeds(starts.size());
   std::vector<MotionRun> runs;
-  for (const std::size_t part : {std::size_t{2}, std::size_t{4}}) {  // it goes on where it was
+  for (const std::size_t part : {std::size_t{2}, std::size_t{4}}) {  // continues from where it was
     runs.clear();
     for (std::size_t m = 0; m < starts.size(); ++m) {
       const PeriodResult* const last = part == 2 ? nullptr : &results[m * periods + 1];
@@ -351,7 +351,7 @@ TEST_CASE("lanes write down the speeds of impacts and of entries into contact") 
     std::vector<double> alone;
     Vector x{{starts[m].x, starts[m].v}};
     Transition one;
-    for (std::size_t k = 0; k < periods; ++k) {  // from where the lanes were, lest differences grow
+    for (std::size_t k = 0; k < periods; ++k) {  // each period from the state in the lanes, so that differences do not grow
       carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::none, .keep_events = true}, one);
       for (const EventRecord& event : one.events)
         if (begins_contact(event.kind)) alone.push_back(event.normal_speed);
@@ -367,5 +367,5 @@ TEST_CASE("lanes write down the speeds of impacts and of entries into contact") 
     compared += list.size();
   }
   CHECK(compared > 100);
-  if (chatters) CHECK(many.left_over() > 50);  // their speeds are written down once
+  if (chatters) CHECK(many.left_over() > 50);  // their speeds are recorded once
 }

@@ -13,13 +13,13 @@ using namespace graze::support;
 
 namespace {
 
-/// The oscillator with the elastic stop: mode 0 is the free flight, mode 1 the contact; `r` far away leaves each to itself.
+/// The oscillator with the elastic stop: mode 0 is the free flight, mode 1 the contact. A distant `r` keeps them apart.
 HybridSystem elastic() { return make_oscillator("linear", "linear"); }
 
 Segment carry_alone(const HybridSystem& system, std::size_t mode, const Vector& p, double t0, double t1, const Vector& x0,
                     FlowKind kind = FlowKind::automatic) {
   std::vector<std::size_t> active = all_parameters(system);
-  active.erase(active.begin() + 1);  // beta: not held by the closed form
+  active.erase(active.begin() + 1);  // beta is not in the closed form
   Flow flow = make_flow(system, mode, p, active, {.kind = kind, .max_steps = 1000000});
   Segment segment;
   flow.carry({t0, t1, Sensitivity::state_and_parameters}, x0, segment);
@@ -39,7 +39,7 @@ Vector by_extrapolation(const Vector& p, bool contact, double t0, double t1, con
 
 }  // namespace
 
-TEST_CASE("the closed form is the motion: undamped, underdamped, critical and overdamped, in flight and against a stop") {
+TEST_CASE("the closed form gives the motion: undamped, underdamped, critical and overdamped, in flight and in contact") {
   const HybridSystem system = elastic();
   Random random(11);
   for (const double b : {0.0, 0.05, 0.3, 0.999999, 1.0, 1.000001, 1.7, 4.0}) {
@@ -58,7 +58,7 @@ TEST_CASE("the closed form is the motion: undamped, underdamped, critical and ov
         INFO("b = " << b << (contact ? " in contact" : " in flight"));
         REQUIRE(segment.end == FlowEnd::time);
         REQUIRE(segment.t1 == t1);
-        // A dozen roundings of terms of the size of the motion; contact at r = -100 has terms of size 100.
+        // A dozen rounding errors of terms of the size of the motion. Contact at r = -100 has terms of size 100.
         REQUIRE((segment.x1 - exact).norm() < 2e-15 * (5.0 + exact.norm() + (contact ? 1000.0 : 0.0)));
       }
     }
@@ -78,7 +78,7 @@ TEST_CASE("the derivatives of the closed form in the state and in every coeffici
       const auto end = [&](const Vector& x) { return carry_alone(system, contact, p, t0, t1, x).x1; };
       const JacobianCheck in_x = check_jacobian(end, x0, segment.Phi);
       INFO("b = " << b << (contact ? " in contact: " : " in flight: ") << in_x.message);
-      REQUIRE(in_x.agrees(1e-11));  // linear in x0: the differences are exact but for rounding, 1e-15/1e-3
+      REQUIRE(in_x.agrees(1e-11));  // linear in x0: the differences are exact up to rounding, 1e-15/1e-3
       const std::vector<Eigen::Index> held = {0, 2, 3, 4, 5};
       const auto end_at = [&](const Vector& q) {
         Vector moved = p;
@@ -87,14 +87,14 @@ TEST_CASE("the derivatives of the closed form in the state and in every coeffici
       };
       const JacobianCheck in_p = check_jacobian(end_at, p(held), segment.Psi, 5e-4);
       INFO(in_p.message);
-      // h^4 (t1 - t0)^5 / 120 = 1e-12 by truncation, 1e-15/5e-4 by rounding, times the size of the motion.
+      // Truncation h^4 (t1 - t0)^5 / 120 = 1e-12, rounding 1e-15/5e-4, times the size of the motion.
       REQUIRE(in_p.agrees(2e-10));
     }
   }
 }
 
 TEST_CASE("a long flight of an overdamped oscillator stays finite") {
-  // cosh overflows where exp(-b s) vanishes: the two must be multiplied before either is formed.
+  // cosh overflows where exp(-b s) vanishes: their product must be formed without either factor.
   const HybridSystem system = elastic();
   const Vector p = parameters(system, {{"b", 30.0}, {"eta", 0.5}, {"r", 5.0}});
   const Segment segment = carry_alone(system, 0, p, 0.0, 1000.0, vector({1.0, 0.0}));
@@ -103,11 +103,11 @@ TEST_CASE("a long flight of an overdamped oscillator stays finite") {
   REQUIRE(segment.Phi.allFinite());
   REQUIRE(segment.Psi.allFinite());
   const Segment general = carry_alone(system, 0, p, 0.0, 1000.0, vector({1.0, 0.0}), FlowKind::general);
-  REQUIRE((segment.x1 - general.x1).norm() < 1e-11);  // the general integrator's own error: thousands of steps at 1e-13
+  REQUIRE((segment.x1 - general.x1).norm() < 1e-11);  // the error of the general integrator: thousands of steps at 1e-13
   REQUIRE((segment.Psi - general.Psi).norm() < 1e-8);
 }
 
-TEST_CASE("a flight that would take ages to search is given up after the steps allowed") {
+TEST_CASE("a flight that takes too many steps to search for events fails") {
   const HybridSystem system = elastic();
   Vector p = default_parameters(system.parameters);
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, "eta"))] = 1e-320;
@@ -118,8 +118,8 @@ TEST_CASE("a flight that would take ages to search is given up after the steps a
   CHECK(segment.evaluations == 1000);
 }
 
-TEST_CASE("an overdamped transient keeps its decayed part accurate") {
-  // exp(-b s) cosh(q s) - b exp(-b s) sinh(q s)/q cancels down to the fast mode; what is left errs by rounding of the slow one.
+TEST_CASE("an overdamped transient keeps the accuracy of its decayed part") {
+  // exp(-b s) cosh(q s) - b exp(-b s) sinh(q s)/q cancels down to the fast mode. Its error is the rounding of the slow mode.
   const HybridSystem system = elastic();
   const Vector p = parameters(system, {{"b", 5.0}, {"xi", 0.0}, {"r", 50.0}});
   const double slow = 5.0 - std::sqrt(24.0), fast = 5.0 + std::sqrt(24.0), s = 3.0;
@@ -129,8 +129,8 @@ TEST_CASE("an overdamped transient keeps its decayed part accurate") {
   REQUIRE(segment.x1[1] == Approx(-slow * A * std::exp(-slow * s) - fast * B * std::exp(-fast * s)).epsilon(1e-14));
 }
 
-TEST_CASE("the instant of a crossing is that of the closed form to rounding") {
-  // Unforced, undamped: x = sin t reaches r at asin r.
+TEST_CASE("the time of a crossing agrees with the closed form to rounding") {
+  // Unforced and undamped: x = sin t reaches r at asin r.
   const HybridSystem system = make_oscillator("linear", "newton");
   for (const double r : {1e-9, 0.1, 0.5, 0.9, 0.999999}) {
     const Vector p = parameters(system, {{"b", 0.0}, {"xi", 0.0}, {"r", r}});
@@ -139,13 +139,13 @@ TEST_CASE("the instant of a crossing is that of the closed form to rounding") {
     flow.carry({0.0, 3.0, Sensitivity::none}, vector({0.0, 1.0}), segment);
     REQUIRE(segment.end == FlowEnd::event);
     REQUIRE(segment.x1[0] == r);
-    // An error of 2e-16 in x moves the instant by that over the speed.
+    // An error of 2e-16 in x moves the time by (error) / (speed).
     REQUIRE(std::abs(segment.t1 - std::asin(r)) < 4e-16 * (1.0 + 1.0 / std::sqrt(1.0 - r * r)));
     REQUIRE(std::abs(segment.x1[1] - std::sqrt(1.0 - r * r)) < 4e-16 * (1.0 + 1.0 / std::sqrt(1.0 - r * r)));
   }
 }
 
-TEST_CASE("make_flow takes the closed form or the series where they hold and says so") {
+TEST_CASE("make_flow returns the closed form or the series where they apply and reports the kind") {
   const HybridSystem linear = elastic(), hertz = make_oscillator("linear", "hertz"),
                      beam = make_oscillator("cantilever", "linear");
   const auto kind = [](const HybridSystem& system, std::size_t mode,
@@ -162,7 +162,7 @@ TEST_CASE("make_flow takes the closed form or the series where they hold and say
   REQUIRE(kind(beam, 0, {}, {}, FlowKind::general) == "general");
   REQUIRE(kind(make_oscillator("cantilever", "hertz"), 1) == "regularised Hertz contact");
   REQUIRE(kind(linear, 0, {}, {}, FlowKind::general) == "general");
-  // The derivative in beta at beta = 0, and undamped resonance, are not in the closed form.
+  // The closed form has no derivative in beta at beta = 0 and no undamped resonance.
   REQUIRE(kind(linear, 0, {}, {oscillator_parameter::beta}) == "general");
   REQUIRE(kind(linear, 0, {{"b", 0.0}, {"eta", 1.0}}) == "general");
   REQUIRE(kind(linear, 0, {{"b", 0.0}, {"eta", 1.0}, {"xi", 0.0}}) == "closed form");

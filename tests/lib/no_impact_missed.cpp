@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// No impact is ever missed, and none is invented: 110,000 random starts whose next extremum lies within 1e-6 to 1e-2 of the
-// barrier, beyond it or short of it, for all laws, in flight and in contact. Each start is built backwards, in long double, from
-// its extremum (closed form, or extrapolation), and the way from start to extremum is looked through independently, so that what
-// must happen is known: nothing, or the first crossing at a known instant with a known speed.
+// No impact is missed and none is invented. 110,000 random starts have their next extremum within 1e-6 to 1e-2 of the barrier,
+// beyond it or short of it, for all laws, in flight and in contact. Each start is computed backwards from its extremum in long
+// double (closed form or extrapolation). An independent search along the way from start to extremum gives the expected
+// outcome: no event, or the first crossing with known time and speed.
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 
@@ -55,7 +55,7 @@ struct CubicMotion {
   Long acceleration_at_extremum() const { return A * std::cos(w * t_m) - x_m - beta * x_m * x_m * x_m; }
 };
 
-/// What is to happen from a start: the crossing of the level in the direction `side`, or nothing up to t_end.
+/// Expected outcome from a start: the crossing of the level in the direction `side`, or no event up to t_end.
 struct Case {
   double t0 = 0.0, t_end = 0.0;
   Vector x0;
@@ -66,7 +66,7 @@ struct Case {
 /// Distance of the extremum from the barrier, |d| in 1e-6 ... 1e-2, either sign.
 double distance(Random& random) { return std::pow(10.0, random(-6.0, -2.0)) * (random(0.0, 1.0) < 0.5 ? -1.0 : 1.0); }
 
-/// Extremum of side * x between two instants where the speed changes sign, by bisection of the speed.
+/// Extremum of side * x between two times with opposite signs of the speed, by bisection of the speed.
 template <class At> Long extremum(const At& at, Long lo, Long hi, Long side) {
   for (int i = 0; i < 60; ++i) {
     const Long mid = (lo + hi) / 2;
@@ -75,9 +75,9 @@ template <class At> Long extremum(const At& at, Long lo, Long hi, Long side) {
   return side * at(lo).x;
 }
 
-/// The case that ends at the extremum of a motion known at every instant; nullopt if the way there meets the barrier before.
-/// The motion is looked through at 80 instants per unit of its fastest time scale; a maximum between two of them is bisected.
-template <class Motion> std::optional<Case> look_through(const Motion& m, Long r, Long side, Long back, Long fastest) {
+/// The case that ends at the extremum of a motion that is known at every time; nullopt if the motion meets the barrier before.
+/// The search uses 80 times per unit of the fastest time scale; a maximum between two of them is bisected.
+template <class Motion> std::optional<Case> case_at_extremum(const Motion& m, Long r, Long side, Long back, Long fastest) {
   const auto at = [&](Long t) { return m.at(t); };
   Case out;
   out.t0 = static_cast<double>(m.t_m - back);
@@ -110,8 +110,8 @@ template <class Motion> std::optional<Case> look_through(const Motion& m, Long r
   return out;
 }
 
-/// One run against its case. The start is rounded to double and the phase w t carries 1e-16 w t, both up to 1e-14; an error of
-/// that size, grown by the motion, moves the crossing by itself over the speed.
+/// Compares one run with its case. The start is rounded to double, and the phase w t has an error 1e-16 w t, both up to 1e-14.
+/// Such an error, amplified by the motion and divided by the speed, is the error of the crossing time.
 std::string verdict(const HybridSystem& system, const Vector& p, const Case& c, EventKind kind, double growth) {
   const Trajectory run = simulate(system, p, c.t0, c.x0, {.t_end = c.t_end, .max_events = 1});
   if (!c.crosses) return run.events.empty() && run.termination == Termination::time ? "" : "an impact was invented";
@@ -138,14 +138,14 @@ struct Tally {
   void require(int wanted) const {
     REQUIRE(first_failure == "");
     REQUIRE(starts == wanted);
-    REQUIRE(crossings > wanted / 3);  // both sides were met
+    REQUIRE(crossings > wanted / 3);  // both outcomes occur
     REQUIRE(crossings < 2 * wanted / 3);
   }
 };
 
 }  // namespace
 
-TEST_CASE("no impact is missed in free flight of the linear oscillator, any law: 96000 starts") {
+TEST_CASE("no impact is missed in free flight of the linear oscillator with any law: 96000 starts") {
   for (const ContactLaw& law : contact_laws()) {
     const HybridSystem system = make_oscillator("linear", law.name);
     Random random(2014);
@@ -158,7 +158,7 @@ TEST_CASE("no impact is missed in free flight of the linear oscillator, any law:
                                            {"r", random(-0.5, 2.5)}});
       LinearMotion m{p[0], 1.0L, p[2], p[3], 0.0L, random(0.0, 30.0), p[4] + distance(random)};
       if (m.acceleration_at_extremum() > -0.02L) continue;
-      const auto c = look_through(m, p[4], 1.0L, random(0.01, 1.5) * 2 * pi / p[3], std::max<Long>(1.0L, p[3]));
+      const auto c = case_at_extremum(m, p[4], 1.0L, random(0.01, 1.5) * 2 * pi / p[3], std::max<Long>(1.0L, p[3]));
       if (c) tally.add(*c, p, verdict(system, p, *c, law.hard ? EventKind::impact : EventKind::enter, 3e-14));
     }
     INFO(system.name);
@@ -179,13 +179,13 @@ TEST_CASE("no lift-off is missed in contact with the linear stop: 6000 starts") 
     const Long k = 1.0L + p[5], fastest = std::sqrt(k);
     LinearMotion m{p[0], k, p[2], p[3], static_cast<Long>(p[5]) * p[4], random(0.0, 30.0), p[4] - distance(random)};
     if (std::abs(k - static_cast<Long>(p[3]) * p[3]) < 0.1L || m.acceleration_at_extremum() < 0.02L) continue;
-    const auto c = look_through(m, p[4], -1.0L, random(0.01, 3.0) * 2 * pi / fastest, std::max<Long>(fastest, p[3]));
+    const auto c = case_at_extremum(m, p[4], -1.0L, random(0.01, 3.0) * 2 * pi / fastest, std::max<Long>(fastest, p[3]));
     if (c) tally.add(*c, p, verdict(system, p, *c, EventKind::leave, 1e-13));
   }
   tally.require(6000);
 }
 
-TEST_CASE("no impact is missed in free flight of the cantilever, any law: 6000 starts") {
+TEST_CASE("no impact is missed in free flight of the cantilever with any law: 6000 starts") {
   for (const ContactLaw& law : contact_laws()) {
     const HybridSystem system = make_oscillator("cantilever", law.name);
     Random random(36);
@@ -198,7 +198,7 @@ TEST_CASE("no impact is missed in free flight of the cantilever, any law: 6000 s
                                            {"r", random(-0.3, 1.5)}});
       const CubicMotion m{p[0], p[1], p[2], p[3], random(0.0, 30.0), p[4] + distance(random)};
       if (m.acceleration_at_extremum() > -0.05L) continue;
-      // Samples backwards from the maximum; a maximum between two of them is bounded by the cubic through them.
+      // Samples backwards from the maximum. The cubic through two samples bounds a maximum between them.
       const int count = 1 + static_cast<int>(random(0.0, 70.0));
       const Long r = p[4], step = 2 * pi / p[3] / 60;
       Point later{m.x_m, 0}, here{};
@@ -210,7 +210,8 @@ TEST_CASE("no impact is missed in free flight of the cantilever, any law: 6000 s
         const bool on_last_rise = first_below == 0;
         if (!on_last_rise) {
           const Long c1 = here.x + here.v * step / 3, c2 = later.x - later.v * step / 3;
-          good = std::max({here.x, c1, c2}) < r - 1e-6L;  // convex hull of the Bezier points, and a margin for the misfit
+          // Convex hull of the Bezier points, with a margin for the interpolation error.
+          good = std::max({here.x, c1, c2}) < r - 1e-6L;
         } else if (here.x < r) {
           first_below = t - step;
           below = here;
@@ -231,7 +232,7 @@ TEST_CASE("no impact is missed in free flight of the cantilever, any law: 6000 s
       if (c.crosses) {
         Point z = below;
         Long s = first_below;
-        for (int i = 0; i < 30; ++i) {  // Newton, from the side where the speed is larger: it does not overshoot
+        for (int i = 0; i < 30; ++i) {  // Newton's method from the side of the larger speed does not overshoot
           const Long move = (r - z.x) / z.v;
           if (std::abs(move) < 1e-18L) break;
           z = m.from(z, s, s + move);
@@ -259,7 +260,7 @@ TEST_CASE("no lift-off is missed in Hertz contact: 2000 starts") {
                                          {"k_H", random(5.0, 200.0)},
                                          {"b_H", random(0.0, 0.2)}});
     const Long b = p[0], xi = p[2], eta = p[3], r = p[4], k_H = p[5], b_H = p[6];
-    const auto field = [&](Long, const LongState<3>& z, LongState<3>& dz) {  // (y, v, t) in s
+    const auto field = [&](Long, const LongState<3>& z, LongState<3>& dz) {  // (y, v, t) as functions of s
       const Long y = z[0], v = z[1];
       dz = {v / 2, y * (xi * std::cos(eta * z[2]) - 2 * b * v - r - y * y - k_H * y * y * y * (1 + b_H * v)), y};
     };
@@ -270,7 +271,7 @@ TEST_CASE("no lift-off is missed in Hertz contact: 2000 starts") {
       z = {std::sqrt(d), 0, t_m};
       if (xi * std::cos(eta * t_m) - r - d - k_H * d * std::sqrt(d) < 0.02L) continue;
       c.t_end = static_cast<double>(t_m + 0.01L);
-    } else {  // a free flight whose minimum, at t_m, lies |d| above the barrier: back to where it left it
+    } else {  // a free flight whose minimum, at t_m, lies |d| above the barrier: back to the time when it left the barrier
       const LinearMotion m{b, 1.0L, xi, eta, 0.0L, t_m, r + d};
       if (m.acceleration_at_extremum() < 0.02L || std::abs(1 - eta) < 0.05L) continue;
       Long lo = t_m, hi = t_m, step = 1e-3L;
@@ -287,7 +288,7 @@ TEST_CASE("no lift-off is missed in Hertz contact: 2000 starts") {
       c.t_end = static_cast<double>(t_m);
       z = {0, -speed, hi};
     }
-    // Back in s, in small steps, as long as it is in contact (y > 0).
+    // Backwards in s, in small steps, while the mass is in contact (y > 0).
     const int count = 1 + static_cast<int>(random(0.0, 40.0));
     bool good = true;
     for (int i = 0; i < count && good; ++i) {
@@ -296,7 +297,7 @@ TEST_CASE("no lift-off is missed in Hertz contact: 2000 starts") {
     }
     if (!good) continue;
     c.t0 = static_cast<double>(z[2]);
-    // The start is rounded to a double time: carry the state over that rest.
+    // The start time is rounded to double: carry the state over the remainder.
     const Long y = z[0], v = z[1], rest = c.t0 - z[2];
     const Long a = xi * std::cos(eta * z[2]) - 2 * b * v - r - y * y - k_H * y * y * y * (1 + b_H * v);
     c.x0 = vector({static_cast<double>(r + y * y + v * rest), static_cast<double>(v + a * rest)});

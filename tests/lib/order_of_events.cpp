@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A bar of mass 1 that falls flat on two stops below its ends: the impulses at both commute if its inertia is that of two masses
-// at the ends, and else not.
+// A bar of mass 1 falls flat on two stops below its ends. The impulses at both commute only if its inertia is that of two
+// masses at the ends.
 #include <graze/lib/motion/order_of_events.hpp>
 
 #include "support/checks.hpp"
@@ -30,7 +30,7 @@ Trajectory fall(const HybridSystem& system, const Vector& p, double phi) {
 
 }  // namespace
 
-TEST_CASE("two stops that are hit together are told of if their order matters") {
+TEST_CASE("two stops that are hit together are reported if their order matters") {
   const HybridSystem system = bar();
   Vector p = default_parameters(system.parameters);
   const Trajectory run = fall(system, p, 0.0);
@@ -39,13 +39,13 @@ TEST_CASE("two stops that are hit together are told of if their order matters") 
   CHECK(system.events[pairs[0].first].name == "left");
   CHECK(system.events[pairs[0].second].name == "right");
   CHECK(std::abs(pairs[0].t - 1.0) < 1e-12);
-  // Impulses 1.5/3, 1.5 1.5/3 and 1.5/12 at the left, the right and the left stop, with v' = 1 and w' = -+2 for each.
+  // Impulses 1.5/3, 1.5 1.5/3 and 1.5/12 at the left, the right and the left stop; each gives v' = 1 and w' = -+2.
   CHECK((pairs[0].x_plus.tail(2) - vector({0.375, 0.25})).norm() < 1e-12);
   CHECK((pairs[0].x_plus_other.tail(2) - vector({0.375, -0.25})).norm() < 1e-12);
   CHECK((run.x.tail(2) - vector({0.375, 0.25})).norm() < 1e-12);
 }
 
-TEST_CASE("nothing is said of stops that are hit together if the order is the same, or one after the other") {
+TEST_CASE("stops that are hit together in an irrelevant order or one after the other are not reported") {
   const HybridSystem system = bar();
   Vector p = default_parameters(system.parameters);
   CHECK(noncommuting_events(system, p, fall(system, p, 1e-3).events).empty());

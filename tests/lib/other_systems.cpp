@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Nothing is written for two states, one barrier or a forcing: systems of four and of three states, with two barriers, two
-// forcing-free ones, a discontinuous field, all through the same library calls (one header each in support/).
+// The library is not limited to two states, one barrier or a forcing. These systems have four or three states, two barriers,
+// no forcing (two of them), or a discontinuous field, and use the same library calls (one header each in support/).
 #include "support/bouncing_ball.hpp"
 #include "support/checks.hpp"
 #include "support/driven_self_excited.hpp"
@@ -65,7 +65,7 @@ TEST_CASE("two masses with two barriers: Phi and Psi in every parameter through 
   }
   REQUIRE(struck[0] > 0);
   REQUIRE(struck[1] > 0);
-  // Differences of a motion good to 1e-13 with steps of 1e-5.
+  // Differences with steps of 1e-5 of a motion accurate to 1e-13.
   REQUIRE_THAT(check_transition(system, p, 0.0, 2.0 * T, x0, 1e-7, 1e-5), all_agree());
   Propagator propagator(system, p);
   Transition transition;
@@ -76,7 +76,7 @@ TEST_CASE("two masses with two barriers: Phi and Psi in every parameter through 
   REQUIRE(transition.liouville == Approx(exact).epsilon(1e-12));
 }
 
-TEST_CASE("two masses: the motion between impacts is that of the matrix exponential") {
+TEST_CASE("two masses: the motion between impacts agrees with the matrix exponential") {
   // Unforced and unequal: x(t) = e^{A t} x0.
   const HybridSystem system = two_mass_oscillator();
   const Vector p = parameters(system, {{"xi", 0.0}, {"r1", 50.0}, {"r2", 50.0}});
@@ -127,7 +127,7 @@ TEST_CASE("symmetric barriers: a motion and its mirror image half a period later
   }
 }
 
-TEST_CASE("symmetric rigid barriers: the closed form of the symmetric orbit closes, with its multipliers, up to the pitchfork") {
+TEST_CASE("symmetric rigid barriers: the closed form of the symmetric orbit and its multipliers up to the pitchfork") {
   const HybridSystem system = two_sided_oscillator(true);
   for (const double eta : {1.3, 1.5, 1.6, 1.8}) {
     const Vector p = parameters(system, {{"xi", 2.0}, {"eta", eta}});
@@ -149,7 +149,7 @@ TEST_CASE("symmetric rigid barriers: the closed form of the symmetric orbit clos
   REQUIRE(static_cast<double>(two_sided_pitchfork(0.05L, 2, 1, 0.8L, 1.4L, 1.6L)) == Approx(1.5299072088081).epsilon(1e-12));
 }
 
-TEST_CASE("a driven self-excited oscillator: the driver does not feel what it drives") {
+TEST_CASE("a driven self-excited oscillator: the driver does not feel the driven mass") {
   const HybridSystem system = driven_self_excited();
   const Vector p = parameters(system, {{"epsilon", 0.3}, {"mu", 0.1}});
   const double T = forcing_period(system, p);
@@ -160,7 +160,7 @@ TEST_CASE("a driven self-excited oscillator: the driver does not feel what it dr
   REQUIRE(transition.events.size() >= 1);
   REQUIRE(transition.Phi.topRightCorner(2, 2).norm() == 0.0);
   REQUIRE(transition.Phi.bottomLeftCorner(2, 2).norm() > 0.1);
-  // Impact of x: y and y' go through unchanged, but their perturbation is shifted in time with the impact.
+  // Impact of x: y and y' are unchanged, but the change of the impact time shifts their perturbation.
   REQUIRE(transition.events[0].x_minus.tail(2) == transition.events[0].x_plus.tail(2));
   REQUIRE_THAT(check_transition(system, p, 0.0, 2.0 * T, x0, 1e-7, 1e-5), all_agree());
 }
@@ -180,7 +180,7 @@ TEST_CASE("a driven self-excited oscillator at rest has the closed-form multipli
   }
 }
 
-TEST_CASE("an autonomous self-excited oscillator with a stop settles on a cycle whose field direction Phi carries into itself") {
+TEST_CASE("an autonomous self-excited oscillator with a stop settles on a cycle and Phi maps its field direction to itself") {
   const HybridSystem system = van_der_pol_stop();
   const Vector p = default_parameters(system.parameters);
   const Trajectory run = simulate(system, p, 0.0, vector({0.1, 0.0}), {.t_end = 400.0});
@@ -202,10 +202,11 @@ TEST_CASE("an autonomous self-excited oscillator with a stop settles on a cycle 
   static_cast<void>(x0);
 }
 
-TEST_CASE("a relay with three states: its limit cycle is the closed form, through a discontinuous field") {
+TEST_CASE("a relay with three states: the limit cycle agrees with the closed form through a discontinuous field") {
   const HybridSystem system = relay_feedback();
   const Vector p = default_parameters(system.parameters);
-  // Half a period h: x(0) = -(I + e^{A h})^{-1} (I - e^{A h}) e with A of the three lags in a row, e = (1, 1, 1): x1(0) = -w.
+  // Half a period h: x(0) = -(I + e^{A h})^{-1} (I - e^{A h}) e with A of three first-order lags in series, e = (1, 1, 1):
+  // x1(0) = -w.
   const auto exponential = [](double h) {
     Matrix E(3, 3);  // e^{-h} [[1, h, h^2/2], [0, 1, h], [0, 0, 1]]
     E << 1.0, h, h * h / 2.0, 0.0, 1.0, h, 0.0, 0.0, 1.0;
@@ -237,7 +238,7 @@ TEST_CASE("a relay with three states: its limit cycle is the closed form, throug
   REQUIRE((transition.factors[1] - Matrix::Identity(3, 3)).norm() > 0.1);
 }
 
-TEST_CASE("a bouncing ball's derivatives in g, floor and k_r agree with differences through several bounces") {
+TEST_CASE("the derivatives of a bouncing ball in g, floor and k_r agree with differences through several bounces") {
   const HybridSystem system = bouncing_ball();
   const Vector p = parameters(system, {{"k_r", 0.8}});
   REQUIRE_THAT(check_transition(system, p, 0.0, 2.0, vector({1.0, 0.3}), 1e-8), all_agree());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parameters: names, ranges and the sentences that refuse what does not fit.
+// Parameters: names, ranges and the error messages for values out of range.
 #include "support/bouncing_ball.hpp"
 #include "support/checks.hpp"
 #include "support/two_mass_oscillator.hpp"
@@ -21,7 +21,7 @@ Trajectory run_with(const HybridSystem& system, const char* name, double value) 
 
 }  // namespace
 
-TEST_CASE("a parameter out of range is refused by name, value and range") {
+TEST_CASE("a parameter out of range is refused with its name, value and range") {
   const HybridSystem newton = make_oscillator("linear", "newton"), hertz = make_oscillator("linear", "hertz");
   REQUIRE_THROWS_WITH(run_with(newton, "k_r", 1.2), "parameter k_r is 1.2; allowed is [0, 1]");
   REQUIRE_THROWS_WITH(run_with(newton, "k_r", -0.1), "parameter k_r is -0.1; allowed is [0, 1]");
@@ -32,7 +32,7 @@ TEST_CASE("a parameter out of range is refused by name, value and range") {
   REQUIRE_THROWS_WITH(run_with(hertz, "r", infinity), "parameter r is inf; allowed is any finite number");
   REQUIRE_THROWS_WITH(run_with(hertz, "b", infinity), "parameter b is inf; allowed is a finite number >= 0");
   REQUIRE_THROWS_AS(run_with(hertz, "b", not_a_number), std::invalid_argument);
-  // The ends of a range that are allowed.
+  // The closed ends of a range are allowed.
   REQUIRE_NOTHROW(run_with(newton, "k_r", 0.0));
   REQUIRE_NOTHROW(run_with(newton, "k_r", 1.0));
   REQUIRE_NOTHROW(run_with(hertz, "b", 0.0));
@@ -54,7 +54,7 @@ TEST_CASE("an unknown parameter is refused with the nearest name") {
   REQUIRE(parameter_index(newton.parameters, "k_r") == oscillator_parameter::law);
 }
 
-TEST_CASE("the nearest name is the one a slip of the hand away") {
+TEST_CASE("the nearest name is one typing error away") {
   const std::vector<std::string> names = {"eta", "beta", "xi", "k_H", "b_H"};
   REQUIRE(nearest_name("etta", names) == "eta");
   REQUIRE(nearest_name("bta", names) == "eta");  // one letter changed, as is one left out of "beta": the first listed
@@ -65,7 +65,7 @@ TEST_CASE("the nearest name is the one a slip of the hand away") {
   REQUIRE(nearest_name("eta", {}).empty());
 }
 
-TEST_CASE("ranges are put into words") {
+TEST_CASE("ranges are described in words") {
   const auto text = [](double lower, double upper, bool lower_open = false) {
     ParameterInfo parameter;
     parameter.lower = lower;
@@ -81,12 +81,12 @@ TEST_CASE("ranges are put into words") {
   REQUIRE(text(0.0, 1.0, true) == "(0, 1]");
 }
 
-TEST_CASE("defaults are those of the parameters, in order") {
+TEST_CASE("defaults follow the order of the parameters") {
   const HybridSystem system = make_oscillator("cantilever", "linear");
   REQUIRE(default_parameters(system.parameters) == vector({0.05, 36.0 / 35.0, 1.0, 0.95, 2.0, 25.0}));
 }
 
-TEST_CASE("a start, a time or a flow option that makes no sense is refused in one sentence") {
+TEST_CASE("an invalid start, time or flow option is refused in one sentence") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = default_parameters(system.parameters);
   const auto run = [&](double t0, const Vector& x0, double t_end, const FlowOptions& options = {}) {
@@ -106,7 +106,7 @@ TEST_CASE("a start, a time or a flow option that makes no sense is refused in on
                       "sensitivity in parameter number 7 was asked for; system linear-hertz has 7 (counted from 0)");
 }
 
-TEST_CASE("a system whose pieces do not fit is refused in one sentence") {
+TEST_CASE("a system with inconsistent parts is refused in one sentence") {
   const HybridSystem good = two_mass_oscillator();
   const auto refusal = [&](const auto& spoil) {
     HybridSystem system = good;
@@ -145,7 +145,7 @@ TEST_CASE("a system whose pieces do not fit is refused in one sentence") {
           "system two-mass: event impact-1 has no reset (or no derivative of it) for its accumulation point");
 }
 
-TEST_CASE("the forcing period and its derivative are those of the forcing frequency, and an autonomous system has none") {
+TEST_CASE("the forcing period and its derivative follow from the forcing frequency and an autonomous system has none") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.8}});
   REQUIRE(forcing_period(system, p) == Approx(2.0 * 3.141592653589793 / 0.8).epsilon(1e-15));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From physical to dimensionless: the formulas of DESIGN, and the motion itself in both units.
+// Conversion from physical to dimensionless quantities: the formulas of DESIGN, and the motion itself in both units.
 #include "support/checks.hpp"
 #include "support/extrapolation.hpp"
 
@@ -13,7 +13,7 @@ using namespace graze::support;
 
 namespace {
 
-/// The parameters of a model filled from a conversion, as a problem file is.
+/// The parameters of a model from a conversion, as in a problem file.
 Vector fill(const HybridSystem& system, const Values& values) {
   Vector p = default_parameters(system.parameters);
   for (std::size_t i = 0; i < system.parameters.size(); ++i)
@@ -33,7 +33,7 @@ struct PhysicalMotion {
   }
 };
 
-/// A few roundings.
+/// Up to a few rounding errors.
 Approx exactly(double value) { return Approx(value).epsilon(1e-14).margin(0.0); }
 
 }  // namespace
@@ -146,8 +146,8 @@ TEST_CASE("Hertz stiffness of a beam scales with the root of its length") {
   CHECK(d.at("k_H") == exactly(100.0));
 }
 
-TEST_CASE("the dimensionless motion is the physical one in its own units") {
-  // Free flight of all three kinds; position by the length, time by alpha.
+TEST_CASE("the dimensionless motion agrees with the physical one in its own units") {
+  // Free flight of all three kinds: position scaled by the length, time by alpha.
   const HybridSystem system = make_oscillator("cantilever", "hertz");
   const auto same = [&](const Values& d, const PhysicalMotion& motion, double X0, double V0, double t) {
     const Vector p = fill(system, d);
@@ -179,7 +179,7 @@ TEST_CASE("the dimensionless motion is the physical one in its own units") {
        {1.5, 0.7, k_1, 36.0 / 35.0 * k_1 / 0.16, 3.0, 5.0}, 0.05, 0.1, 0.9);
 }
 
-TEST_CASE("a conversion covers every parameter of every law but k_r, and leaves the one that is missing at 0") {
+TEST_CASE("a conversion gives every parameter of every law except k_r and sets the missing one to 0") {
   REQUIRE(excitation_kinds().size() == 3);
   for (const ExcitationKind& kind : excitation_kinds()) {
     INFO(kind.name);
@@ -202,7 +202,7 @@ TEST_CASE("a conversion covers every parameter of every law but k_r, and leaves 
                       "kinematic, force, beam");
 }
 
-TEST_CASE("an oscillator with physical quantities as parameters moves as the dimensionless one, with derivatives in them") {
+TEST_CASE("an oscillator with physical parameters moves as the dimensionless one and has derivatives in them") {
   for (const ExcitationKind& kind : excitation_kinds())
     for (const OscillatorKind& oscillator : oscillator_kinds())
       for (const ContactLaw& law : contact_laws()) {

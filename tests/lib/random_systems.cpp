@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random systems of 1 to 6 states with two modes and jumps, written as text, against one slow reference that shares no code with
-// the library: the same expressions by recursion in long double, classical Runge-Kutta steps of 1/500, events by bisection,
-// derivatives by central differences.
+// Random systems of 1 to 6 states with two modes and jumps, written as text, against one slow reference that shares no code
+// with the library. The reference evaluates the same expressions by recursion in long double. It uses classical Runge-Kutta
+// steps of 1/500, bisection for events, and central differences for derivatives.
 #include "support/checks.hpp"
 #include "support/system_texts.hpp"
 
@@ -16,19 +16,19 @@ namespace {
 using Real = long double;
 using Numbers = std::vector<Real>;
 
-/// A smooth function of states x, parameters p and the time: as text, and by recursion.
+/// A smooth function of states x, parameters p and time: as text, and as a recursive function.
 struct Term {
   std::string text;
   std::function<Real(Real t, const Numbers& x, const Numbers& p)> value;
 };
 
-/// Terms of moderate size wherever the states are.
+/// Terms of moderate size for any state.
 class Terms {
  public:
   Terms(std::mt19937& engine, std::size_t states, std::size_t parameters)
       : engine_(engine), states_(states), parameters_(parameters) {}
 
-  double number(double from, double to) {  // with few digits: the text holds all of them
+  double number(double from, double to) {  // with few digits, so that the text holds all of them
     return std::round(std::uniform_real_distribution<double>(from, to)(engine_) * 1000.0) / 1000.0;
   }
   static Term constant(double c) {
@@ -48,19 +48,19 @@ class Terms {
     return {fmt::format("{}*{}", a.text, b.text),
             [=](Real t, const Numbers& x, const Numbers& p) { return a.value(t, x, p) * b.value(t, x, p); }};
   }
-  /// f(a) by a function of the language.
+  /// f(a) with a function of the language.
   static Term of(const std::string& pattern, Real (*f)(Real), const Term& a) {
     std::string text = pattern;
     text.replace(text.find('#'), 1, a.text);
     return {text, [=](Real t, const Numbers& x, const Numbers& p) { return f(a.value(t, x, p)); }};
   }
 
-  /// Of the forcing's period.
+  /// A function with the period of the forcing.
   static Term clock() {
     return {"cos(p1*t)", [](Real t, const Numbers&, const Numbers& p) { return std::cos(p[0] * t); }};
   }
 
-  /// Between -1 and 1.
+  /// A term between -1 and 1.
   Term bounded(int depth) {
     const Term inner = depth == 0 ? leaf() : sum(product(constant(number(-1.5, 1.5)), bounded(depth - 1)), leaf());
     switch (engine_() % 7) {
@@ -125,8 +125,8 @@ struct RandomSystem {
   }
 };
 
-/// x_i' = -c x_i + bounded terms; four jumps: from each mode one into the other and one within it, each of which takes its state
-/// back behind its guard by a finite length.
+/// x_i' = -c x_i + bounded terms. Four jumps: from each mode one into the other mode and one within it. Each jump moves the
+/// state back behind its guard by a finite length.
 RandomSystem draw(std::size_t states, unsigned seed) {
   std::mt19937 engine(seed);
   RandomSystem out;
@@ -144,7 +144,7 @@ RandomSystem draw(std::size_t states, unsigned seed) {
     Jump jump;
     jump.from = k % 2;
     jump.to = k < 2 ? 1 - jump.from : jump.from;
-    // s x_i + (bounded function of the other states and the time)/4 - level; with one state, of the time alone.
+    // s x_i + (bounded function of the other states and time)/4 - level; with one state, of time alone.
     const std::size_t i = engine() % states;
     const double sign = engine() % 2 ? 1.0 : -1.0, level = terms.number(0.15, 0.8);
     const Term along = Terms::product(Terms::constant(sign), Terms::state(i));
@@ -152,7 +152,8 @@ RandomSystem draw(std::size_t states, unsigned seed) {
     const Term bend = Terms::of(
         "sin(#)", [](Real a) { return std::sin(a); }, other);
     jump.guard = Terms::sum(Terms::sum(along, Terms::product(Terms::constant(0.25), bend)), Terms::constant(-level));
-    // The coordinate of the guard goes back; the others change smoothly, but for the one that the guard's bend asks for.
+    // The coordinate of the guard moves back. The other coordinates change smoothly, except the one in the curvature of the
+    // guard.
     for (std::size_t q = 0; q < states; ++q) {
       Term to = Terms::state(q);
       if (q == i)
@@ -194,7 +195,8 @@ struct Run {
   Numbers x;
   std::vector<std::size_t> jumps;
   std::vector<Real> times;
-  Real slowest = 1.0L, nearest = 1.0L;  ///< rate of a guard at its jump; distance of a maximum of a guard from zero
+  /// Smallest rate of a guard at its jump; smallest distance of a maximum of a guard from zero.
+  Real slowest = 1.0L, nearest = 1.0L;
 };
 
 Numbers step(const RandomSystem& system, std::size_t mode, Real t, const Numbers& x, const Numbers& p, Real h) {
@@ -224,7 +226,7 @@ Run run(const RandomSystem& system, Numbers x, const Numbers& p, Real end) {
     Real length = std::min(h, end - t);
     Numbers next = step(system, mode, t, x, p, length);
     std::size_t fired = system.jumps.size();
-    // The first of the guards that rise through zero within the step.
+    // The first guard that rises through zero within the step.
     for (std::size_t k = 0; k < system.jumps.size(); ++k) {
       const Jump& jump = system.jumps[k];
       if (jump.from != mode || !(jump.guard.value(t + length, next, p) > 0)) continue;
@@ -258,7 +260,7 @@ Run run(const RandomSystem& system, Numbers x, const Numbers& p, Real end) {
     out.jumps.push_back(fired);
     out.times.push_back(t);
     for (std::size_t k = 0; k < system.jumps.size(); ++k)
-      if (system.jumps[k].from == mode && system.jumps[k].guard.value(t, x, p) >= 0) out.nearest = 0;  // one more at once
+      if (system.jumps[k].from == mode && system.jumps[k].guard.value(t, x, p) >= 0) out.nearest = 0;  // another jump immediately
     if (out.nearest == 0) break;
     std::fill(before.begin(), before.end(), -1.0L);
     earlier = before;
@@ -271,7 +273,7 @@ Numbers numbers(const std::vector<double>& values) { return {values.begin(), val
 
 }  // namespace
 
-TEST_CASE("random systems of 1 to 6 states move, and their derivatives are, as a slow reference has them") {
+TEST_CASE("random systems of 1 to 6 states agree with a slow reference in motion and derivatives") {
   constexpr Real end = 3.0L;
   int compared = 0, events = 0, switched = 0;
   for (unsigned seed = 1; seed <= 48; ++seed) {
@@ -287,7 +289,8 @@ TEST_CASE("random systems of 1 to 6 states move, and their derivatives are, as a
     const Vector p = default_parameters(system.parameters);
     if (!mode_at(system, 0.0, start, p)) continue;
     const Run reference = run(random, x0, p0, end);
-    constexpr Real clear = 1e-3L;  // of touches and of weak crossings, where a difference quotient takes another way
+    // Distance from touching and from weak crossings, where a difference quotient would follow another event sequence.
+    constexpr Real clear = 1e-3L;
     if (reference.slowest < clear || reference.nearest < clear) continue;
     for (const FlowKind kind : {FlowKind::automatic, FlowKind::general}) {
       Propagator propagator(system, p, {0, 1, 2}, {.kind = kind});
@@ -321,7 +324,7 @@ TEST_CASE("random systems of 1 to 6 states move, and their derivatives are, as a
           const double wanted = static_cast<double>((ends[0].x[i] - ends[1].x[i]) / (2 * h));
           CHECK((c < n ? got.Phi : got.Psi)(row, column) == Approx(wanted).margin(1e-7 * scale * scale));
         }
-        if (kind == FlowKind::general) break;  // the derivatives are compared between the flows below
+        if (kind == FlowKind::general) break;  // the derivatives of the two flows are compared below
       }
       if (std::isfinite(got.log_det) && std::isfinite(got.liouville)) CHECK(got.log_det == Approx(got.liouville).margin(1e-9));
     }

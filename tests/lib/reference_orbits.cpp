@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every orbit of data/reference.toml (quadruple precision, independent) carried once round by the library: it returns, with the
-// reference's impacts and monodromy matrix. No shooting: the motion itself is compared.
+// Every orbit of data/reference.toml (quadruple precision, independent), carried over its period by the library. It must
+// return, with the reference's impacts and monodromy matrix. There is no shooting: the motion itself is compared.
 #include "support/checks.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
@@ -18,7 +18,7 @@ std::vector<double> numbers(const toml::array& list) {
   return values;
 }
 
-/// One orbit by one kind of flow; what must hold is required here.
+/// Checks one orbit with one kind of flow.
 void check_orbit(const toml::table& entry, FlowKind kind) {
   const toml::table& values = *entry["parameters"].as_table();
   const bool cubic = *values["beta"].value<double>() != 0.0;
@@ -35,8 +35,8 @@ void check_orbit(const toml::table& entry, FlowKind kind) {
   const Vector x0 = vector({state[0], state[1]});
   carry(propagator, 0.0, period * forcing_period(system, p), x0, {.keep_events = true}, transition);
   REQUIRE(transition.termination == Termination::time);
-  // An error of 1e-14 on the way (rounding of the state given, of an instant) has grown by the largest of the partial products
-  // by the end; 1e3 bounds them over the longest of these orbits (24 periods).
+  // An error of 1e-14 on the way (rounding of the start or of an event time) grows by the largest of the partial products. 1e3
+  // bounds them over the longest of these orbits (24 periods).
   const double grown = 2e-13 * (1.0 + 20.0 * period);
   REQUIRE((transition.x1 - x0).norm() < grown);
   std::size_t impact = 0;
@@ -59,7 +59,7 @@ void check_orbit(const toml::table& entry, FlowKind kind) {
 
 }  // namespace
 
-TEST_CASE("every reference orbit returns, with its impacts and its monodromy matrix, by the fast flows and by the general one") {
+TEST_CASE("every reference orbit returns with its impacts and monodromy matrix by the fast flows and by the general one") {
   const toml::table file = toml::parse_file(GRAZE_DATA_DIR "/reference.toml");
   int orbits = 0;
   for (const char* list : {"orbit", "special_point"}) {

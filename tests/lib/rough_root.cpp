@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The rough root from which the lanes take the lengths of their steps, against the root itself.
+// The approximate root from which the lanes choose their step lengths, against the exact root.
 #include <graze/lib/lanes/rough_root.hpp>
 
 #include <catch2/catch.hpp>
@@ -9,7 +9,7 @@
 
 using namespace graze::lanes;
 
-TEST_CASE("the rough root of a ratio is within 4 per cent of it") {
+TEST_CASE("the approximate root of a ratio has an error below 4 per cent") {
   for (const double x : {2.5e-14, 1e-10, 1.0})
     for (double y = 1e-290; y < 1e290; y *= 1.37) {
       REQUIRE(std::abs(rough_root<20>(x, y) / std::pow(x / y, 1.0 / 20.0) - 1.0) < 0.04);
@@ -17,7 +17,7 @@ TEST_CASE("the rough root of a ratio is within 4 per cent of it") {
     }
 }
 
-TEST_CASE("the rough root is a positive number for whatever a series may come to") {
+TEST_CASE("the approximate root is a positive number for any value of the series") {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const double y : {0.0, std::numeric_limits<double>::denorm_min(), 1e308, infinity, std::nan("")}) {
     CHECK(rough_root<16>(1e-13, y) > 0.0);
@@ -25,7 +25,7 @@ TEST_CASE("the rough root is a positive number for whatever a series may come to
   }
 }
 
-TEST_CASE("the rough root is the same to the last bit in a register") {
+TEST_CASE("the approximate root has identical bits in a register") {
   using Register = xsimd::batch<double, xsimd::sse2>;
   for (double y = 1e-30; y < 1e10; y *= 3.1) {
     alignas(16) double both[2] = {y, 0.1 * y};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Saltation matrices: the hand formula, differences across one event in the state and in every parameter, grazing, continuity.
+// Saltation matrices: the formula by hand, differences across one event in the state and in every parameter, grazing,
+// continuity.
 #include "support/checks.hpp"
 #include "support/rigid_stop.hpp"
 #include "support/two_mass_oscillator.hpp"
@@ -12,7 +13,7 @@ using namespace graze::support;
 
 namespace {
 
-/// The saltation matrix of event `index` at (t, x), fields taken from the system's modes.
+/// The saltation matrix of event `index` at (t, x), with fields from the system's modes.
 SaltationMatrix saltation_at(const HybridSystem& system, std::size_t index, double t, const Vector& x, const Vector& p) {
   const Event& event = system.events[index];
   Vector x_plus = x, f_minus(x.size()), f_plus(x.size());
@@ -29,7 +30,7 @@ struct AcrossEvent {
 };
 
 AcrossEvent around_impact(const HybridSystem& system, const Vector& p, double t, double speed) {
-  // Back in time by dt along the field: Euler's rule is near enough, the start need not be on an exact orbit.
+  // Back in time by dt along the field. Euler's rule suffices, because the start need not lie on an exact orbit.
   const Vector x = vector({p[oscillator_parameter::r], speed});
   Vector f(2);
   system.modes[0].field(t, x, p, f);
@@ -41,8 +42,8 @@ AcrossEvent around_impact(const HybridSystem& system, const Vector& p, double t,
 
 }  // namespace
 
-TEST_CASE("the saltation matrix of an impact is the one worked out by hand") {
-  // S = [[-k_r, 0], [(a+ + k_r a-)/v-, -k_r]], a the acceleration of the free mass before and after.
+TEST_CASE("the saltation matrix of an impact agrees with the formula by hand") {
+  // S = [[-k_r, 0], [(a+ + k_r a-)/v-, -k_r]]; a is the acceleration of the free mass before and after.
   for (const OscillatorKind& kind : oscillator_kinds()) {
     const HybridSystem system = make_oscillator(kind, contact_law("newton"));
     Random random(3);
@@ -65,8 +66,9 @@ TEST_CASE("the saltation matrix of an impact is the one worked out by hand") {
   }
 }
 
-TEST_CASE("the derivative of an impact in r and in k_r is the one worked out by hand") {
-  // Later by dt = -dh/c: x+ - k_r v- stays on the moved barrier. D_r x+ = (1 + k_r, -(a+ + k_r a-)/v-), D_k x+ = (0, -v-).
+TEST_CASE("the derivative of an impact in r and in k_r agrees with the formula by hand") {
+  // The impact is delayed by dt = -dh/c: x+ - k_r v- stays on the moved barrier. D_r x+ = (1 + k_r, -(a+ + k_r a-)/v-), D_k x+
+  // = (0, -v-).
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"k_r", 0.7}, {"r", 0.9}});
   const double t = 1.3, v = 0.8, k_r = 0.7;
@@ -85,7 +87,8 @@ TEST_CASE("across an impact the map agrees with differences in the state and in 
       for (const double t : {0.4, 2.9, 11.0}) {
         const Vector p = parameters(system, {{"k_r", 0.7}, {"r", 0.6}, {"eta", 0.8}, {"xi", 1.2}});
         const AcrossEvent run = around_impact(system, p, t, speed);
-        // The return map bends like 1/speed^2 at small speed: steps well inside the speed, and their own error with it.
+        // At small speed the return map curves like 1/speed^2. The steps, and with them their own error, are well below the
+        // speed.
         const double step = 2e-3 * speed * speed;
         INFO("speed " << speed << ", t " << t);
         REQUIRE_THAT(check_transition(system, p, run.t0, run.t1, run.x0, 2e-8, std::min(step, 2e-4)), all_agree());
@@ -112,8 +115,8 @@ TEST_CASE("across entry and exit of every soft contact the map is continuous: S 
   }
 }
 
-TEST_CASE("without the shortcut the formula gives the identity at a continuous guard as well") {
-  // f+ = f- and g = x make the correction vanish: declaring an event continuous changes nothing but rounding.
+TEST_CASE("the general formula gives the identity at a continuous guard as well") {
+  // f+ = f- and g = x make the correction vanish. An event that is declared continuous differs only by rounding.
   HybridSystem system = make_oscillator("linear", "hertz");
   for (Event& event : system.events) event.continuous = false;
   const Vector p = default_parameters(system.parameters);
@@ -125,7 +128,7 @@ TEST_CASE("without the shortcut the formula gives the identity at a continuous g
   }
 }
 
-TEST_CASE("at grazing the saltation matrix of an impact says that it does not exist") {
+TEST_CASE("at grazing the saltation matrix of an impact is reported not to exist") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = default_parameters(system.parameters);
   for (const double speed : {0.0, 1e-14, -1e-14}) {
@@ -137,30 +140,30 @@ TEST_CASE("at grazing the saltation matrix of an impact says that it does not ex
     REQUIRE(result.Sp.size() == 2 * p.size());
     REQUIRE(result.Sp.hasNaN());
   }
-  // Towards it S grows as 1/speed, and is given as long as it has digits.
+  // Towards grazing S grows as 1/speed and is given as long as it has correct digits.
   const double slow = saltation_at(system, 0, 0.7, vector({2.0, 1e-8}), p).S(1, 0);
   const double slower = saltation_at(system, 0, 0.7, vector({2.0, 1e-10}), p).S(1, 0);
   REQUIRE(slower / slow == Approx(100.0).epsilon(1e-6));
 }
 
 TEST_CASE("a transition that meets an impact of zero speed ends as grazing") {
-  // Two masses, no sticking: the first is at rest on its barrier and pressed against it.
+  // Two masses without sticking: the first is at rest on its barrier and pressed against it.
   const HybridSystem system = two_mass_oscillator();
   Propagator propagator(system, parameters(system, {{"xi", 5.0}}));
   Transition transition;
   carry(propagator, 0.0, 1.0, vector({1.0, 0.0, 0.0, 0.0}), {}, transition);
   REQUIRE(transition.termination == Termination::grazing);
   REQUIRE(transition.event_sequence == std::vector<std::size_t>{0});
-  // Without sensitivity nothing is in the way but that time does not go on: the run ends by number of events.
+  // Without the sensitivity the run ends by number of events, because time does not advance.
   carry(propagator, 0.0, 1.0, vector({1.0, 0.0, 0.0, 0.0}), {.sensitivity = Sensitivity::none, .max_events = 50}, transition);
   REQUIRE(transition.termination == Termination::event_limit);
 }
 
-TEST_CASE("a mass put on its barrier at rest and pressed sticks at once, and forgets what it was") {
+TEST_CASE("a mass placed on its barrier at rest and pressed sticks at once and the map is zero") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"xi", 2.0}, {"r", 1.0}, {"k_r", 1.0}});
   Propagator propagator(system, p, {});
-  HybridState state{0.0, vector({1.0, 0.0}), 0};  // in flight; Propagator::start would have it held already
+  HybridState state{0.0, vector({1.0, 0.0}), 0};  // in flight; Propagator::start would already hold it
   REQUIRE(propagator.start(0.0, state.x).mode == 1);
   REQUIRE(propagator.step(state, 1.0, Sensitivity::state) == StepEnd::event);
   REQUIRE(propagator.record().kind == EventKind::stick);
@@ -174,13 +177,13 @@ TEST_CASE("release from the barrier is continuous: S is exactly the identity") {
   const Vector p = parameters(system, {{"r", 0.5}, {"eta", 0.8}});
   const SaltationMatrix result = saltation_at(system, 1, std::acos(0.5) / 0.8, vector({0.5, 0.0}), p);
   REQUIRE(result.S == Matrix::Identity(2, 2));
-  // It is so although the instant of release moves with the parameters: the mass is at rest with no acceleration then.
+  // It is the identity although the time of release depends on the parameters: the mass is then at rest without acceleration.
   REQUIRE(result.Sp == Matrix::Zero(2, 6));
   REQUIRE(result.transversality == Approx(0.8 * std::sin(std::acos(0.5))));
 }
 
 TEST_CASE("saltation with guards and resets that depend on time and parameters agrees with differences") {
-  // A wall that moves, h = x - r - A sin(w t), and a reset relative to its speed: v+ = u - k (v - u), u = A w cos(w t).
+  // A moving wall, h = x - r - A sin(w t), and a reset relative to its speed: v+ = u - k (v - u), u = A w cos(w t).
   enum : Eigen::Index { A, w, r, k, c };
   HybridSystem system;
   system.name = "moving-wall";
@@ -233,8 +236,8 @@ TEST_CASE("saltation with guards and resets that depend on time and parameters a
   REQUIRE_THAT(check_transition(system, p, 0.2, 2.2, x0, 1e-9), all_agree());
 }
 
-TEST_CASE("what a curved or a moving guard adds to second derivatives is that of its formula") {
-  // h = sqrt(x^2 + y^2) - R sin(w t): with f held, D(h_x f + h_t) along (dt, dx, dR) in closed form.
+TEST_CASE("the second-derivative term of a curved or moving guard agrees with its formula") {
+  // h = sqrt(x^2 + y^2) - R sin(w t). With f held fixed, D(h_x f + h_t) along (dt, dx, dR) has a closed form.
   Guard guard;
   guard.value = [](double t, const Vector& x, const Vector& p) { return x.norm() - p[0] * std::sin(p[1] * t); };
   guard.dx = [](double, const Vector& x, const Vector&, Vector& out) { out = x / x.norm(); };

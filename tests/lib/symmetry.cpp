@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Symmetries that are found in a system's functions.
+// Symmetries, derived from the functions of a system.
 #include "support/checks.hpp"
 #include "support/system_texts.hpp"
 
@@ -18,7 +18,7 @@ std::vector<std::string> texts(const HybridSystem& system, const Vector& p) {
   return out;
 }
 
-/// Two equal masses, each on a spring of its own and coupled by a third, before stops; both are driven alike.
+/// Two equal masses, each on its own spring and coupled by a third, in front of stops. Both have the same forcing.
 HybridSystem pair(const std::string& law) {
   SystemWriter writer;
   writer.system.name = "pair";
@@ -33,7 +33,7 @@ HybridSystem pair(const std::string& law) {
 
 }  // namespace
 
-TEST_CASE("two stops opposite each other: minus one, half a period later, while the stops are equally far") {
+TEST_CASE("two opposite stops: the symmetry is minus one with half a period if the stops are equally far") {
   const HybridSystem system = equations::make_system(duffing_text()).system;
   CHECK(texts(system, default_parameters(system.parameters)) == std::vector<std::string>{"(x, v)(t) -> (-x, -v)(t + T/2)"});
   SystemWriter writer;
@@ -41,7 +41,7 @@ TEST_CASE("two stops opposite each other: minus one, half a period later, while 
   writer.system.events[1].when.text = "-x - 1.01*r";
   const HybridSystem other = equations::make_system(writer.system).system;
   CHECK(texts(other, default_parameters(other.parameters)).empty());
-  // A force with an even harmonic has no half period.
+  // A force with an even harmonic has no half-period symmetry.
   writer.system = duffing_text();
   writer.system.modes[0].equations.text = "x' = v\nv' = xi*cos(eta*t) + 0.1*cos(2*eta*t) - 2*b*v - spring";
   const HybridSystem uneven = equations::make_system(writer.system).system;
@@ -53,13 +53,13 @@ TEST_CASE("one barrier has no symmetry") {
     const HybridSystem system = make_oscillator(oscillator_kind("cantilever"), law);
     const Vector p = default_parameters(system.parameters);
     CHECK(symmetries(system, p).empty());
-    // Its flight has one.
+    // Its free flight has one.
     REQUIRE(flight_symmetries(system, p).size() == 1);
     CHECK(symmetry_text(system, flight_symmetries(system, p)[0]) == "(x, v)(t) -> (-x, -v)(t + T/2)");
   }
 }
 
-TEST_CASE("equal masses before equal stops may be exchanged, and motions go over into each other") {
+TEST_CASE("equal masses with equal stops may be exchanged and the exchange maps motions to motions") {
   for (const std::string law : {"newton", "linear"}) {
     const HybridSystem system = pair(law);
     const Vector p = default_parameters(system.parameters);
@@ -77,7 +77,7 @@ TEST_CASE("equal masses before equal stops may be exchanged, and motions go over
   }
 }
 
-TEST_CASE("an autonomous system has no symmetry that is looked for") {
+TEST_CASE("no symmetries are sought for an autonomous system") {
   SystemWriter writer;
   writer.system.name = "free";
   writer.states({"x", "v"}).parameter("k", "1");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a system tells apart (levels, rebounds, continuity, structure) agrees with its functions, for any coordinate and mass.
+// The tags of a system (levels, rebounds, continuity, structure) agree with its functions, for any coordinate and mass.
 #include "support/checks.hpp"
 #include "support/two_mass_oscillator.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 
 std::size_t index_of(const HybridSystem& system, const char* name) { return parameter_index(system.parameters, name); }
 
-/// The two masses with rebounds in place of resets written out.
+/// The two masses with rebounds instead of explicit resets.
 HybridSystem with_rebounds() {
   HybridSystem system = two_mass_oscillator();
   const std::size_t k_r = index_of(system, "k_r");
@@ -48,7 +48,7 @@ TEST_CASE("a rebound moves the coordinate and the velocity that it names") {
   CHECK((by_rebounds.Psi - as_written.Psi).norm() < 1e-10);
 }
 
-TEST_CASE("validate refuses what is told apart and does not agree with its function") {
+TEST_CASE("validate refuses a tag that contradicts its function") {
   const HybridSystem good = with_rebounds();
   REQUIRE_NOTHROW(validate(good));
   HybridSystem system = good;
@@ -76,7 +76,7 @@ TEST_CASE("validate refuses what is told apart and does not agree with its funct
   CHECK_THROWS_WITH(validate(oscillator), Contains("the structure given for mode free is not that of its field"));
 }
 
-TEST_CASE("the energy that a contact loses is that of the mass which meets the barrier") {
+TEST_CASE("the energy lost in a contact is that of the mass at the barrier") {
   HybridSystem system = with_rebounds();
   const auto mu = static_cast<Eigen::Index>(index_of(system, "mu"));
   system.events[1].effective_mass = [mu](double, const Vector&, const Vector& p) { return p[mu]; };
@@ -95,7 +95,7 @@ TEST_CASE("the energy that a contact loses is that of the mass which meets the b
   CHECK(of_second > 0);
 }
 
-TEST_CASE("the flow alone carries Newton's law flight by flight, too") {
+TEST_CASE("the flow alone carries Newton's law flight by flight too") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = default_parameters(system.parameters);
   CHECK(Propagator(system, p).one_lane() != nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Computations that share the lanes, each at its own pace, against each of them alone.
+// Computations that share the lanes, each at its own pace. Each is compared with the same computation alone.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 #include "support/lane_plans.hpp"
@@ -44,10 +44,10 @@ MotionTask<> ask_twice(TaskSlot& lane, const Vector& p, int number, int& alive, 
 
 }  // namespace
 
-TEST_CASE("computations in a pool come to what each comes to alone") {
+TEST_CASE("computations in a pool give the results of each alone") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
-  const std::size_t count = GENERATE(1, 20, 300);  // more than are carried at a time
+  const std::size_t count = GENERATE(1, 20, 300);  // more than run at a time
   const std::vector<MotionStart> starts = random_starts(count, 2.0);
   std::vector<Vector> sets;
   std::vector<Plan> plans;
@@ -67,8 +67,8 @@ TEST_CASE("computations in a pool come to what each comes to alone") {
 
 namespace {
 
-/// Goes through parameters of its own, one after the other. Others in between make those that it keeps lie where the ones before
-/// lay (if memory is given away again at once).
+/// Uses its own parameter sets one after the other. Memory that is freed and reused in between puts the sets of others at the
+/// same addresses.
 MotionTask<> go_through(TaskSlot& lane, std::vector<Vector> sets, std::vector<PeriodResult>& out) {
   MotionStart start{0, 0.1, 0.0};
   for (const Vector& p : sets) {
@@ -82,10 +82,11 @@ MotionTask<> go_through(TaskSlot& lane, std::vector<Vector> sets, std::vector<Pe
 
 }  // namespace
 
-TEST_CASE("parameters that change while others are carried are taken anew") {
+TEST_CASE("parameters that change while others are carried are read again") {
   const HybridSystem system = make_oscillator("linear", "newton");
   constexpr std::size_t changes = 50;
-  const std::size_t count = GENERATE(std::size_t{3}, std::size_t{40});  // a lane takes the one that it had before; another one
+  // With 3, a lane gets its previous computation; with 40, another one.
+  const std::size_t count = GENERATE(std::size_t{3}, std::size_t{40});
   std::vector<std::vector<Vector>> sets(count);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < changes; ++k)
@@ -110,7 +111,7 @@ TEST_CASE("parameters that change while others are carried are taken anew") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a computation in a pool asks for several motions, some of which end") {
+TEST_CASE("a computation in a pool requests several motions and some of them end") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.711}, {"r", 0.3}});
   LaneCarrier many(system);
@@ -119,14 +120,15 @@ TEST_CASE("a computation in a pool asks for several motions, some of which end")
   constexpr std::size_t periods = 50;
   std::vector<PeriodResult> alone, pooled;
   many.carry(starts, periods, false, alone);
-  const auto ask = [](TaskSlot& lane, const std::vector<MotionStart>& asked, std::vector<PeriodResult>& out) -> MotionTask<> {
+  const auto request = [](TaskSlot& lane, const std::vector<MotionStart>& requested,
+                          std::vector<PeriodResult>& out) -> MotionTask<> {
     const std::span<const PeriodResult> nothing = co_await lane.carry({}, 3, true);
     CHECK(nothing.empty());
-    const std::span<const PeriodResult> results = co_await lane.carry(asked, periods, false);
+    const std::span<const PeriodResult> results = co_await lane.carry(requested, periods, false);
     out.assign(results.begin(), results.end());
   };
   TaskPool pool(many);
-  pool.run(1, [&](std::size_t, TaskSlot& lane) { return ask(lane, starts, pooled); });
+  pool.run(1, [&](std::size_t, TaskSlot& lane) { return request(lane, starts, pooled); });
   REQUIRE(pooled.size() == alone.size());
   for (std::size_t k = 0; k < alone.size(); ++k) {
     CHECK(pooled[k].termination == alone[k].termination);
@@ -135,7 +137,7 @@ TEST_CASE("a computation in a pool asks for several motions, some of which end")
   }
 }
 
-TEST_CASE("computations wait for each other, and what one throws ends the pool") {
+TEST_CASE("computations wait for each other and an exception in one ends the pool") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {});
   LaneCarrier many(system);
@@ -150,7 +152,7 @@ TEST_CASE("computations wait for each other, and what one throws ends the pool")
   pool.run(0, [&](std::size_t i, TaskSlot& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
 }
 
-TEST_CASE("with a table of contacts a computation comes to the same in any company") {
+TEST_CASE("with a table of contacts the result of a computation does not depend on the others") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}});
   const auto average = [&](TaskSlot& lane, std::vector<PeriodResult>& out, bool& has_table) -> MotionTask<> {
@@ -183,7 +185,7 @@ TEST_CASE("with a table of contacts a computation comes to the same in any compa
   }
 }
 
-TEST_CASE("a computation that others wait for is carried each time, among many of the other kind") {
+TEST_CASE("an urgent computation is served every round among many of the other kind") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {});
   std::size_t tangents = 0, before = 0;
@@ -211,21 +213,21 @@ TEST_CASE("a computation that others wait for is carried each time, among many o
     return i == 0 ? once(lane, p, hurries, tangents, before) : many_turns(lane, p, tangents);
   });
   CHECK(tangents == 19 * 40);
-  CHECK((before == 0) == hurries);  // else it waits until there are few of the others
+  CHECK((before == 0) == hurries);  // otherwise it waits until few of the others are left
 }
 
-TEST_CASE("of many computations the one that has lasted longest gets ahead of the others, with its impacts written down") {
+TEST_CASE("of many computations the longest one gets ahead of the others and keeps its recorded impacts") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.711}});
   constexpr std::size_t count = 40, together = 32, last = 640 * together;
   std::size_t of_first = 0, of_others = 0, speeds = 0, impacts = 0;
-  const auto go_on = [&](TaskSlot& lane, bool first) -> MotionTask<> {
+  const auto carry_on = [&](TaskSlot& lane, bool first) -> MotionTask<> {
     lane.set_parameters(p);
     Vector at{{0.1, 0.0}};
     for (std::size_t own = 0; own < last && of_first < last;) {
       ImpactSpeeds list;
       const bool written = first && own % (2 * together) == 0;
-      const std::size_t periods = first && own == 0 ? 4 * together : together;  // so it is this that has lasted longest
+      const std::size_t periods = first && own == 0 ? 4 * together : together;  // so that this one has lasted longest
       const std::span<const PeriodResult> next = co_await lane.carry(at, periods, written ? &list : nullptr);
       at << next.back().x, next.back().v;
       own += periods;
@@ -235,15 +237,15 @@ TEST_CASE("of many computations the one that has lasted longest gets ahead of th
     }
   };
   LaneCarrier many(system);
-  TaskPool(many).run(count, [&](std::size_t i, TaskSlot& lane) { return go_on(lane, i == 0); });
+  TaskPool(many).run(count, [&](std::size_t i, TaskSlot& lane) { return carry_on(lane, i == 0); });
   CHECK(of_first == last);
   CHECK(impacts > 1000);
   CHECK(speeds == impacts);
-  // (As many each, if none went first.)
+  // (Without priority all would have the same number of periods.)
   CHECK(static_cast<double>(of_others) / (count - 1) < 0.75 * last);
 }
 
-TEST_CASE("parameters go to other motions with the table of contacts that was made for them") {
+TEST_CASE("parameters move to other motions with their table of contacts") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}});
   LaneCarrier from(system), to(system);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Trajectories: segments and events in a row, sampling, contacts, and how a run ends.
+// Trajectories: the sequence of segments and events, sampling, contacts, and the termination of a run.
 #include "support/checks.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
@@ -12,12 +12,12 @@ using namespace graze::support;
 
 namespace {
 
-/// A run of several contacts of every law.
-Trajectory lively(const HybridSystem& system, const Vector& p, double t_end = 40.0) {
+/// A run with several contacts for every law.
+Trajectory run_with_contacts(const HybridSystem& system, const Vector& p, double t_end = 40.0) {
   return simulate(system, p, 0.3, vector({0.1, 0.9}), {.t_end = t_end});
 }
 
-Vector lively_parameters(const HybridSystem& system) { return parameters(system, {{"r", 0.4}, {"eta", 0.8}}); }
+Vector parameters_with_contacts(const HybridSystem& system) { return parameters(system, {{"r", 0.4}, {"eta", 0.8}}); }
 
 template <class Test> void for_each_system(const Test& test) {
   for (const OscillatorKind& kind : oscillator_kinds()) {
@@ -31,10 +31,10 @@ template <class Test> void for_each_system(const Test& test) {
 
 }  // namespace
 
-TEST_CASE("the segments of a run join: time, state and mode, with an event between each two") {
+TEST_CASE("the segments of a run join in time, state and mode with one event between each two") {
   for_each_system([](const HybridSystem& system, const ContactLaw& law) {
-    const Vector p = lively_parameters(system);
-    const Trajectory run = lively(system, p);
+    const Vector p = parameters_with_contacts(system);
+    const Trajectory run = run_with_contacts(system, p);
     REQUIRE(run.termination == Termination::time);
     REQUIRE(run.events.size() > 6);
     REQUIRE(run.segments.size() == run.events.size() + 1);
@@ -62,23 +62,23 @@ TEST_CASE("the segments of a run join: time, state and mode, with an event betwe
   });
 }
 
-TEST_CASE("a run in two pieces is the run in one") {
+TEST_CASE("a run in two pieces equals the run in one") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
-    const Vector p = lively_parameters(system);
-    const Trajectory whole = lively(system, p);
+    const Vector p = parameters_with_contacts(system);
+    const Trajectory whole = run_with_contacts(system, p);
     for (const double cut : {1.0, 5.55, 12.3, 20.0}) {
-      const Trajectory first = lively(system, p, cut);
+      const Trajectory first = run_with_contacts(system, p, cut);
       const Trajectory second = simulate(system, p, cut, first.x, {.t_end = 40.0});
       REQUIRE(first.events.size() + second.events.size() == whole.events.size());
-      REQUIRE((second.x - whole.x).norm() < 1e-9);  // rounding at the cut, grown by the motion over 40 units of time
+      REQUIRE((second.x - whole.x).norm() < 1e-9);  // rounding at the cut, amplified by the motion over 40 units of time
     }
   });
 }
 
-TEST_CASE("sampled states lie on the motion, at the ends of segments exactly, outside the run not at all") {
+TEST_CASE("sampled states lie on the motion, exact at the ends of segments and absent outside the run") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
-    const Vector p = lively_parameters(system);
-    const Trajectory run = lively(system, p, 10.0);
+    const Vector p = parameters_with_contacts(system);
+    const Trajectory run = run_with_contacts(system, p, 10.0);
     std::vector<double> times = {0.0, 0.3};  // the first is before the run
     for (int i = 1; i < 97; ++i) times.push_back(0.3 + 0.1 * i);
     for (const EventRecord& event : run.events) times.push_back(event.t);
@@ -105,9 +105,9 @@ TEST_CASE("sampled states lie on the motion, at the ends of segments exactly, ou
 
 TEST_CASE("every contact is listed with its times, speeds, restitution and energy") {
   for_each_system([](const HybridSystem& system, const ContactLaw& law) {
-    Vector p = lively_parameters(system);
+    Vector p = parameters_with_contacts(system);
     if (law.hard) p[oscillator_parameter::law] = 0.75;
-    const Trajectory run = lively(system, p);
+    const Trajectory run = run_with_contacts(system, p);
     const std::vector<Contact> list = contacts(run.events);
     REQUIRE(list.size() > 3);
     for (const Contact& contact : list) {
@@ -127,20 +127,20 @@ TEST_CASE("every contact is listed with its times, speeds, restitution and energ
   });
 }
 
-TEST_CASE("a contact that is cut off by the start or the end of the run is listed as incomplete") {
+TEST_CASE("a contact cut off by the start or the end of the run is listed as incomplete") {
   const HybridSystem system = make_oscillator("linear", "hertz");
-  const Vector p = lively_parameters(system);
-  const Trajectory run = lively(system, p);
+  const Vector p = parameters_with_contacts(system);
+  const Trajectory run = run_with_contacts(system, p);
   REQUIRE(run.events[0].kind == EventKind::enter);
   REQUIRE(run.events[1].kind == EventKind::leave);
   const double inside = 0.5 * (run.events[0].t + run.events[1].t);
-  const std::vector<Contact> ended = contacts(lively(system, p, inside).events);
+  const std::vector<Contact> ended = contacts(run_with_contacts(system, p, inside).events);
   REQUIRE(ended.size() == 1);
   REQUIRE_FALSE(ended[0].complete);
   REQUIRE(ended[0].t_entry == run.events[0].t);
   REQUIRE(ended[0].entry_speed == run.events[0].normal_speed);
   REQUIRE(std::isnan(ended[0].restitution));
-  const Trajectory half = lively(system, p, inside);
+  const Trajectory half = run_with_contacts(system, p, inside);
   const std::vector<Contact> begun = contacts(simulate(system, p, inside, half.x, {.t_end = run.events[1].t + 0.1}).events);
   REQUIRE(begun.size() == 1);
   REQUIRE_FALSE(begun[0].complete);
@@ -150,23 +150,23 @@ TEST_CASE("a contact that is cut off by the start or the end of the run is liste
 }
 
 TEST_CASE("undamped Hertz becomes an elastic impact as its duration goes to zero") {
-  // Stiffer and stiffer: the equivalent restitution tends to 1, and the departure to that of Newton's law with k_r = 1.
+  // Increasing stiffness: the equivalent restitution tends to 1, and the departure to that of Newton's law with k_r = 1.
   const HybridSystem hertz = make_oscillator("linear", "hertz"), newton = make_oscillator("linear", "newton");
   double before = 1.0;
   for (const double k_H : {1e4, 1e6, 1e8, 1e10}) {
-    const Trajectory soft = lively(hertz, parameters(hertz, {{"r", 0.4}, {"eta", 0.8}, {"k_H", k_H}}), 3.0);
+    const Trajectory soft = run_with_contacts(hertz, parameters(hertz, {{"r", 0.4}, {"eta", 0.8}, {"k_H", k_H}}), 3.0);
     const Contact contact = contacts(soft.events).front();
     const double away = std::abs(contact.restitution - 1.0);
     REQUIRE(away < before / 3.0);
     before = away;
   }
   REQUIRE(before < 1e-3);
-  const Trajectory hard = lively(newton, parameters(newton, {{"r", 0.4}, {"eta", 0.8}}), 3.0);
-  const Trajectory stiff = lively(hertz, parameters(hertz, {{"r", 0.4}, {"eta", 0.8}, {"k_H", 1e10}}), 3.0);
+  const Trajectory hard = run_with_contacts(newton, parameters(newton, {{"r", 0.4}, {"eta", 0.8}}), 3.0);
+  const Trajectory stiff = run_with_contacts(hertz, parameters(hertz, {{"r", 0.4}, {"eta", 0.8}, {"k_H", 1e10}}), 3.0);
   REQUIRE((hard.x - stiff.x).norm() < 1e-3);
 }
 
-TEST_CASE("a run that was not carried out counts as failed, and every ending has its sentence") {
+TEST_CASE("a run that was not carried out counts as failed and every termination has its sentence") {
   REQUIRE(Trajectory{}.termination == Termination::failed);
   REQUIRE(Transition{}.termination == Termination::failed);
   REQUIRE(Segment{}.end == FlowEnd::failed);
@@ -180,7 +180,7 @@ TEST_CASE("a run that was not carried out counts as failed, and every ending has
   }
 }
 
-TEST_CASE("the free motion coasts through a barrier where it is told to, and a contact cannot be left out from inside") {
+TEST_CASE("the free motion passes through a barrier on request and a contact cannot be left out from inside") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"b", 0.0}, {"xi", 0.0}, {"r", 0.5}});
   Propagator propagator(system, p);
@@ -204,12 +204,12 @@ TEST_CASE("the free motion coasts through a barrier where it is told to, and a c
   }
 }
 
-TEST_CASE("a run that is cancelled ends as interrupted, between two segments") {
-  static int asked;
-  asked = 0;
-  const FlowOptions options{.cancelled = [] { return ++asked > 3; }};
+TEST_CASE("a cancelled run ends as interrupted between two segments") {
+  static int cancel_checks;
+  cancel_checks = 0;
+  const FlowOptions options{.cancelled = [] { return ++cancel_checks > 3; }};
   const HybridSystem system = make_oscillator("linear", "newton");
-  const Vector p = lively_parameters(system);
+  const Vector p = parameters_with_contacts(system);
   const Trajectory run = simulate(system, p, 0.3, vector({0.1, 0.9}), {.t_end = 40.0}, options);
   CHECK(run.termination == Termination::interrupted);
   CHECK(run.segments.size() == 3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two orders of products of series at once, against the sums themselves.
+// Two orders of products of series at once, against the plain sums.
 #include <graze/lib/lanes/two_orders.hpp>
 
 #include <catch2/catch.hpp>
@@ -11,7 +11,7 @@ using namespace graze::lanes;
 namespace {
 
 using Series = std::array<double, 16>;
-// Whole numbers, so that sums are exact.
+// Integers, so that sums are exact.
 constexpr Series a = {3, -1, 4, 1, -5, 9, 2, -6, 5, 3, -5, 8, 9, -7, 9, 3},
                  b = {2, 7, -1, 8, 2, 8, -1, 8, 2, 8, 4, -5, 9, 0, 4, 5}, c = {1, -4, 1, 4, 2, 1, -3, 5, 6, 2, 3, 7, -3, 0, 9, 5};
 
@@ -40,7 +40,7 @@ template <Known Number> void check(std::size_t known) {
 
 }  // namespace
 
-TEST_CASE("two orders of products at once are the sums of products") {
+TEST_CASE("two orders of products at once agree with the sums of products") {
   check<Known::none>(0);
   for (std::size_t known = 2; known < 16; known += 2) check<Known::even>(known);
   for (std::size_t known = 1; known < 16; known += 2) check<Known::odd>(known);

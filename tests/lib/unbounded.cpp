@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that grow without bound: what is called so does, and no bounded motion is.
+// Motions that grow without bound: every reported escape is one, and no bounded motion is reported.
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/motion/transition.hpp>
 #include <graze/lib/motion/unbounded.hpp>
@@ -14,7 +14,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("a motion beyond the saddle of a softening spring is said to escape, and no bounded one is") {
+TEST_CASE("a motion beyond the saddle of a softening spring is reported as an escape and no bounded motion is") {
   int escaped = 0, bounded = 0;
   for (const char* law : {"newton", "linear", "hertz"}) {
     const HybridSystem system = make_oscillator("cantilever", law);
@@ -23,7 +23,7 @@ TEST_CASE("a motion beyond the saddle of a softening spring is said to escape, a
     for (double x = -1.5; x < 0.5; x += 0.125)
       for (const double v : {-0.5, -0.1, 0.1, 0.3}) {
         INFO(law << " x " << x << " v " << v);
-        // By the general integrator, which knows nothing of springs.
+        // The general integrator has no special treatment of springs.
         const Trajectory run = simulate(system, p, 0.0, vector({x, v}), {.t_end = 40.0 * T}, {.kind = FlowKind::general});
         const bool stays = run.termination == Termination::time;
         if (escapes(system, p, 0, vector({x, v}))) {
@@ -46,7 +46,7 @@ TEST_CASE("a motion beyond the saddle of a softening spring is said to escape, a
   CHECK(bounded > 20);
 }
 
-TEST_CASE("a softening spring escapes through a soft stop where its force outgrows the stop's") {
+TEST_CASE("a softening spring escapes through a soft stop where its force exceeds that of the stop") {
   for (const char* law : {"linear", "hertz"}) {
     const HybridSystem system = make_oscillator("cantilever", law);
     const Vector p = parameters(system, {{"b", 0.05}, {"beta", -1.0}, {"xi", 0.2}, {"eta", 0.8}, {"r", 0.5}});
@@ -56,7 +56,7 @@ TEST_CASE("a softening spring escapes through a soft stop where its force outgro
     CHECK(!escapes(system, p, contact, vector({50.0, -1.0})));
     CHECK(!escapes(system, p, contact, vector({0.6, 1.0})));
   }
-  // In front of a hard stop it does not.
+  // In front of a hard stop there is no escape.
   const HybridSystem hard = make_oscillator("cantilever", "newton");
   const Vector p = parameters(hard, {{"beta", -1.0}, {"xi", 0.2}, {"r", 100.0}});
   CHECK(!escapes(hard, p, 0, vector({50.0, 1.0})));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions that are watched in lanes: what of a motion its watch is told, against the motion carried as a whole.
+// Motions with an observer in lanes: the periods that are reported to the observer, against the complete motion.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 #include "support/lane_widths.hpp"
@@ -16,27 +16,27 @@ using namespace graze::support;
 
 namespace {
 
-struct Told {
+struct ReportedPeriod {
   std::size_t number;
   PeriodResult period;
 };
 
-/// Wants to be told of every `each`-th period, up to `last`.
-struct Listening : PeriodObserver {
+/// Requests every `each`-th period, up to `last`.
+struct RecordingObserver : PeriodObserver {
   std::size_t each = 1, last = 1;
-  std::vector<Told> told;
-  Listening(std::size_t every, std::size_t end) : each(every), last(end) {
+  std::vector<ReportedPeriod> reports;
+  RecordingObserver(std::size_t every, std::size_t end) : each(every), last(end) {
     next = each;
     see = [](PeriodObserver& self, std::size_t number, const PeriodResult& period) {
-      auto& its = static_cast<Listening&>(self);
-      its.told.push_back({number, period});
-      its.next = number / its.each * its.each + its.each;
-      return number < its.last;
+      auto& observer = static_cast<RecordingObserver&>(self);
+      observer.reports.push_back({number, period});
+      observer.next = number / observer.each * observer.each + observer.each;
+      return number < observer.last;
     };
   }
 };
 
-/// A little one around a state.
+/// A small ellipse around a state.
 StateEllipse around(const PeriodResult& at, double size) { return {at.x, at.v, 1.0 / (size * size), 0.0, 1.0 / (size * size)}; }
 
 bool in(const StateEllipse& e, const PeriodResult& at) {
@@ -48,7 +48,7 @@ bool same(const PeriodResult& a, const PeriodResult& b) { return same_bits({a}, 
 
 }  // namespace
 
-TEST_CASE("a watch is told of the periods that it asks for and of those that end in an ellipse, until it has seen enough") {
+TEST_CASE("an observer gets the periods it requests and those that end in an ellipse until it stops") {
   const auto [model, law] = GENERATE(table<const char*, const char*>(
       {{"linear", "newton"}, {"linear", "hertz"}, {"linear", "linear"}, {"cantilever", "newton"}, {"cantilever", "hertz"}}));
   const HybridSystem system = make_oscillator(model, law);
@@ -65,7 +65,7 @@ TEST_CASE("a watch is told of the periods that it asks for and of those that end
     whole.carry(starts, most, false, expected);
     const StateEllipse first = around(expected[0], 0.01), other = around(expected[5 * most + 30], 0.02);
     many.set_reported_ellipses({first, other});
-    std::vector<Listening> watches;
+    std::vector<RecordingObserver> watches;
     std::vector<PeriodResult> last(count);
     std::vector<MotionRun> runs;
     watches.reserve(count);
@@ -77,7 +77,7 @@ TEST_CASE("a watch is told of the periods that it asks for and of those that end
     many.carry(runs, false);
     std::size_t by_ellipse = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      const Listening& watch = watches[i];
+      const RecordingObserver& watch = watches[i];
       std::size_t next = 0;
       bool ended = false;
       for (std::size_t k = 1; k <= most && !ended; ++k) {
@@ -85,22 +85,22 @@ TEST_CASE("a watch is told of the periods that it asks for and of those that end
         const bool inside = in(first, period) || in(other, period);
         if (k % watch.each != 0 && !inside) continue;
         by_ellipse += k % watch.each != 0 ? 1 : 0;
-        REQUIRE(next < watch.told.size());
-        REQUIRE(watch.told[next].number == k);
-        CHECK(same(watch.told[next++].period, period));
+        REQUIRE(next < watch.reports.size());
+        REQUIRE(watch.reports[next].number == k);
+        CHECK(same(watch.reports[next++].period, period));
         ended = k >= watch.last;
       }
       CHECK(ended);
-      CHECK(next == watch.told.size());
-      CHECK(runs[i].carried == watch.told.back().number);
+      CHECK(next == watch.reports.size());
+      CHECK(runs[i].carried == watch.reports.back().number);
       CHECK(runs[i].periods == runs[i].carried);
-      CHECK(same(last[i], watch.told.back().period));
+      CHECK(same(last[i], watch.reports.back().period));
     }
     CHECK(by_ellipse > 1);
   }
 }
 
-TEST_CASE("a watch is told of a period that cannot be carried, and of those that the lanes leave over") {
+TEST_CASE("an observer receives a failed period and the periods left to the Propagator") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}});  // the mass sticks
   const std::vector<MotionStart> starts = {{0, 0.0, 0.0}, {0, 0.4, 0.0}, {0, 0.3, -0.5}};
@@ -110,7 +110,7 @@ TEST_CASE("a watch is told of a period that cannot be carried, and of those that
   many.add_parameters(p);
   std::vector<PeriodResult> expected, last(starts.size());
   whole.carry(starts, periods, false, expected);
-  std::vector<Listening> watches;
+  std::vector<RecordingObserver> watches;
   std::vector<MotionRun> runs;
   watches.reserve(starts.size());
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -120,11 +120,11 @@ TEST_CASE("a watch is told of a period that cannot be carried, and of those that
   many.carry(runs, false);
   CHECK(many.left_over() > 0);
   for (const std::size_t i : {0, 2}) {
-    REQUIRE(!watches[i].told.empty());
-    CHECK(watches[i].told.back().number == periods);
-    CHECK(same(watches[i].told.back().period, expected[i * periods + periods - 1]));
+    REQUIRE(!watches[i].reports.empty());
+    CHECK(watches[i].reports.back().number == periods);
+    CHECK(same(watches[i].reports.back().period, expected[i * periods + periods - 1]));
   }
-  REQUIRE(watches[1].told.size() == 1);  // it began inside the barrier
-  CHECK(watches[1].told[0].number == 1);
-  CHECK(watches[1].told[0].period.termination == Termination::inadmissible_start);
+  REQUIRE(watches[1].reports.size() == 1);  // it began inside the barrier
+  CHECK(watches[1].reports[0].number == 1);
+  CHECK(watches[1].reports[0].period.termination == Termination::inadmissible_start);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pools of two threads that hand computations, or motions of one, over to each other, against each computation alone.
+// Pools on two threads that hand over computations, or motions of one computation. Each result is compared with the
+// computation alone.
 #include "support/checks.hpp"
 #include "support/lane_differences.hpp"
 #include "support/lane_plans.hpp"
@@ -20,61 +21,61 @@ using namespace graze::support;
 
 namespace {
 
-/// A pool with computations, and another that has none and waits.
+/// A pool with computations, and another one that waits without any.
 class TwoPools {
  public:
-  explicit TwoPools(const HybridSystem& system) : of_one_(system), of_other_(system) {}
+  explicit TwoPools(const HybridSystem& system) : first_(system), second_(system) {}
 
   void run(std::size_t count, const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make) {
     std::thread other(
-        [this] { TaskPool(of_other_, &exchange_).run([this](TaskSlot&, std::size_t carried) { return wait(carried); }); });
+        [this] { TaskPool(second_, &exchange_).run([this](TaskSlot&, std::size_t carried) { return wait(carried); }); });
     {
       std::unique_lock lock(mutex_);
-      news_.wait(lock, [this] { return asked_ > 0; });
+      changed_.wait(lock, [this] { return requests_ > 0; });
     }
-    TaskPool(of_one_, &exchange_).run(count, make);
+    TaskPool(first_, &exchange_).run(count, make);
     end();
     other.join();
   }
-  /// Periods that the other carried.
-  std::size_t by_other() const { return of_other_.carried(); }
+  /// Number of periods carried by the other pool.
+  std::size_t periods_by_second() const { return second_.carried(); }
 
  private:
-  /// What the other begins next: nothing. It asks anew when it has taken what was given.
+  /// The other pool starts nothing of its own. It asks again after it has taken the work handed over.
   std::optional<MotionTask<>> wait(std::size_t carried) {
     std::unique_lock lock(mutex_);
-    ++asked_;
-    news_.notify_all();
+    ++requests_;
+    changed_.notify_all();
     if (carried > 0) return std::nullopt;
     exchange_.begin_waiting();
-    news_.wait(lock, [this] { return exchange_.has_some() || over_; });
+    changed_.wait(lock, [this] { return exchange_.has_some() || over_; });
     exchange_.end_waiting();
     return std::nullopt;
   }
   void end() {
     const std::lock_guard lock(mutex_);
     over_ = true;
-    news_.notify_all();
+    changed_.notify_all();
   }
-  /// Something is there for the other. It has it before the first pool goes on, which would do all alone where the other thread
-  /// is not given a processor in time.
+  /// Work is available for the other pool. The first pool waits until the other has taken it. Otherwise it might finish alone
+  /// if the other thread gets no processor in time.
   void wake() {
     std::unique_lock lock(mutex_);
-    news_.notify_all();
-    news_.wait(lock, [this] { return asked_ > 1; });
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return requests_ > 1; });
   }
 
   std::mutex mutex_;
-  std::condition_variable news_;
-  std::size_t asked_ = 0;
+  std::condition_variable changed_;
+  std::size_t requests_ = 0;
   bool over_ = false;
   WorkSharing exchange_{[this] { wake(); }};
-  LaneCarrier of_one_, of_other_;
+  LaneCarrier first_, second_;
 };
 
 }  // namespace
 
-TEST_CASE("a pool that has nothing to do is given half of what another carries, and it comes to the same") {
+TEST_CASE("an idle pool gets half of the computations of another with the same results") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   constexpr std::size_t count = 60;
@@ -88,7 +89,7 @@ TEST_CASE("a pool that has nothing to do is given half of what another carries, 
   std::vector<std::vector<PeriodResult>> together(count);
   TwoPools pools(system);
   pools.run(count, [&](std::size_t i, TaskSlot& lane) { return follow(lane, sets[i], starts[i], plans[i], together[i]); });
-  CHECK(pools.by_other() > 1000);
+  CHECK(pools.periods_by_second() > 1000);
   for (std::size_t i = 0; i < count; ++i) {
     INFO("computation " << i);
     CHECK(same_bits(together[i], follow_alone(system, sets[i], starts[i], plans[i])));
@@ -97,7 +98,7 @@ TEST_CASE("a pool that has nothing to do is given half of what another carries, 
 
 namespace {
 
-/// Many motions together, so many times 32 periods; with a table of contacts or without.
+/// Many motions together, `times` times 32 periods; with a table of contacts or without.
 MotionTask<> follow_all(TaskSlot& lane, const Vector& p, std::vector<MotionStart> motions, int times, bool table,
                         std::vector<PeriodResult>& out) {
   lane.set_parameters(p);
@@ -116,7 +117,7 @@ MotionTask<> follow_all(TaskSlot& lane, const Vector& p, std::vector<MotionStart
 
 }  // namespace
 
-TEST_CASE("motions of an only computation are shared with a pool that has nothing to do, and come to the same") {
+TEST_CASE("motions of a single computation are shared with an idle pool with the same results") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   const Vector p = parameters(system, {{"eta", 0.711}, {"r", 1.0}});
@@ -128,6 +129,6 @@ TEST_CASE("motions of an only computation are shared with a pool that has nothin
   TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) { return follow_all(lane, p, motions, 60, table, alone); });
   TwoPools pools(system);
   pools.run(1, [&](std::size_t, TaskSlot& lane) { return follow_all(lane, p, motions, 60, table, shared); });
-  CHECK(pools.by_other() > 1000);
+  CHECK(pools.periods_by_second() > 1000);
   CHECK(same_bits(alone, shared));
 }

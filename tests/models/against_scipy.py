@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Holds what graze says of a model against an integration that shares nothing with it.
+"""Compares the results of graze for a model with an integration that shares no code with it.
 
-The equations of mechanics.py are integrated by scipy's DOP853. Compared are the orbit, its events, its Floquet multipliers
-(by differences of the period map) and the first Lyapunov exponent of a motion over a few periods (by the growth of the distance
-of neighbours). The motion lies on a chaotic attractor and is the same in both, so the exponents agree in digits, not only in
-standard errors. Of some models the special points along a branch are compared too.
+scipy's DOP853 integrates the equations of mechanics.py. The orbit, its events, its Floquet multipliers (by differences of the
+period map) and the first Lyapunov exponent of a motion over a few periods (by the growth of the distance of neighbours) are
+compared. The motion lies on a chaotic attractor and is the same in both, so that the exponents agree in digits and not only
+within standard errors. For some models the special points along a branch are compared too.
 
 usage: against_scipy.py GRAZE_PROGRAM MODEL.toml...
 """
@@ -17,7 +17,7 @@ try:
     import numpy as np
     from scipy.integrate import solve_ivp
 except ImportError as error:
-    debian = "/usr/bin/python3"  # if another one comes first on PATH
+    debian = "/usr/bin/python3"  # if another python3 is first on PATH
     if os.path.realpath(sys.executable) != os.path.realpath(debian) and os.path.exists(debian):
         os.execv(debian, [debian] + sys.argv)
     sys.exit(f"{error}: install python3-numpy and python3-scipy (apps/install_packages.sh tests)")
@@ -25,19 +25,19 @@ except ImportError as error:
 sys.dont_write_bytecode = True
 import mechanics
 
-# Agreement that is asked for; relative beyond 1.
+# Required agreement; relative for numbers above 1.
 ORBIT = 1e-9  # states, times and speeds
-KNOWN = 1e-12  # published values, given with so many digits
+KNOWN = 1e-12  # published values with that many digits
 MULTIPLIERS = 1e-6
-CRITICAL = 1e-5  # multipliers of 1 or -1 at special points: near grazings differences are known to 1e-6 only
-EXPONENT = 1e-6  # the distance of the neighbours, APART, is known to about 1e-13 / APART a period
+CRITICAL = 1e-5  # multipliers of 1 or -1 at special points: near grazings the error of differences is 1e-6
+EXPONENT = 1e-6  # the relative error of the distance of the neighbours, APART, is about 1e-13 / APART a period
 
 ACCURACY = {"rtol": 1e-12, "atol": 1e-13}
 APART = 1e-7
 DIFFERENCE = 2e-5  # step of differences
 CHATTERING = 1e-4  # slower impacts are not compared: their times accumulate
 
-# Where forced models are chaotic: the parameters to be set, and for how many periods they are followed there.
+# Chaotic motions of forced models: the parameters to set, and the number of periods.
 CHAOS = {
     "ball-on-table": ({"A": 1.25, "e": 0.9}, 20),
     "beam-two-stops": ({"eta": 1.43, "xi": 0.31, "k_r": 0.84}, 12),
@@ -58,9 +58,9 @@ CHAOS = {
     "two-mass-impact-pair": ({"eta": 0.8}, 10),
 }
 
-# Branches of forced models whose special points are compared: how they are asked for, how many points there are, what is known
-# of some by their labels, and the step of differences. The fold of the impact oscillator has an impact of speed 0.004, and the
-# capsule grazes near its folds: there the step is smaller.
+# Branches of forced models whose special points are compared: options of the command, number of points, known values of some by
+# their labels, and the step of differences. The fold of the impact oscillator has an impact of speed 0.004, and the capsule
+# grazes near its folds: there the step is smaller.
 BRANCHES = {
     "beam-two-stops": (["--to", "1", "--switch", "0"], 2, {}, DIFFERENCE),
     "capsule": (["--to", "0.5", "--switch", "0"], 8, {}, 2e-6),
@@ -87,7 +87,7 @@ def rate(field, guard, t, y, small=1e-6):
 
 
 def polished(field, guard, t0, y0, t):
-    """An event near t, which scipy locates by interpolation in its last step: integrated up to it, with Newton's method."""
+    """Refines an event near t, which scipy locates by interpolation in its last step, by integration and Newton's method."""
     y = solve(field, t0, t, y0).y[:, -1]
     for _ in range(2):
         rising = rate(field, guard, t, y)
@@ -99,7 +99,7 @@ def polished(field, guard, t0, y0, t):
 
 
 def skipped_step(field, guards, solution):
-    """The first step within which a guard seems to rise above zero and to fall again: scipy looks at the ends only."""
+    """The first step within which a guard seems to rise above zero and to fall again: scipy tests only the ends."""
     for k in range(len(solution.t) - 1):
         (t0, t1), (y0, y1) = solution.t[k:k + 2], solution.y[:, k:k + 2].T
         for guard in guards:
@@ -116,7 +116,7 @@ def skipped_step(field, guards, solution):
 
 
 def nearest_approach(flights):
-    """Of the places where a contact turns round before it closes, or just beyond, the one nearest to closing."""
+    """The maximum of a contact guard nearest to zero: the contact almost closes, or only just does."""
     heights = []
     for field, guards, begin, end, y in flights:
         for guard in guards:
@@ -128,9 +128,9 @@ def nearest_approach(flights):
 
 
 def carry(system, y, duration, flights=None):
-    """The state after the duration, and the events on the way as (kind, time, state before, state after).
+    """Returns the state after the duration, and the events as (kind, time, state before, state after).
 
-    `flights` gets (field, guards of contacts, begin, end, state at the begin) of each flight from event to event.
+    `flights` receives (field, guards of contacts, begin, end, initial state) of each flight from event to event.
     """
     t, mode, happened = 0.0, system.mode(0.0, y), []
     y, fired = list(y), None
@@ -138,7 +138,7 @@ def carry(system, y, duration, flights=None):
         field, events, begin = system.fields[mode], [event for event in system.events if event.mode == mode], t
 
         def watched(guard):
-            # A guard that vanishes at the start has just been left downwards: there it counts as negative.
+            # A guard that vanishes at the start has just fallen to zero: there it counts as negative.
             left = fired is not None and abs(guard(begin, y)) < 1e-9
             value = lambda s, z: -1.0 if left and s == begin else guard(s, z)
             value.terminal, value.direction = True, 1.0
@@ -162,7 +162,7 @@ def carry(system, y, duration, flights=None):
         t, before = polished(field, fired.guard, solution.t[-2], solution.y[:, -2], t)
         y, mode = fired.then(t, before)
         y = list(y)
-        turned = fired.kind == "stick" and "stick" not in mode  # nothing holds it
+        turned = fired.kind == "stick" and "stick" not in mode  # the mass is not held
         happened.append(("other" if turned else fired.kind, t, before, y))
         if len(happened) > 10000:
             raise RuntimeError(f"more than 10000 events until {t}")
@@ -188,7 +188,7 @@ def monodromy(system, y, duration, h=DIFFERENCE):
 
 
 def first_exponent(system, y, periods):
-    """Mean growth, a unit of time, of the distance between two neighbours, at first in the direction of the first state."""
+    """Mean growth per unit of time of the distance between two neighbours, which initially differ in the first state."""
     y, growth = np.array(y), 0.0
     direction = np.eye(len(y))[0]
     for _ in range(periods):
@@ -228,7 +228,7 @@ def graze(program, command, file, settings=(), *more):
 
 
 def paired(found, expected):
-    """The found numbers in the order of the expected ones, each with its nearest."""
+    """The found numbers, sorted so that each expected number has its nearest one."""
     rest, ordered = list(found), []
     for number in expected:
         nearest = min(rest, key=lambda other: abs(other - number))
@@ -272,7 +272,7 @@ def compare_exponent(comparison, program, file, make, settings, periods):
 
 
 def compare_special_points(comparison, program, file, make, more, count, known, step):
-    """Orbits at special points close; at LP and BP a multiplier is 1, at PD it is -1, at GR the orbit touches a guard."""
+    """Checks that orbits at special points close and that a multiplier is 1 (LP, BP) or -1 (PD) or a guard is touched (GR)."""
     result = graze(program, "continue", file, {}, *more)
     branch = result["branches"][0]
     points = [point for point in branch["special_points"] if point["type"] in ("LP", "BP", "PD", "GR")]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shipped models a second time, written by hand from the mechanics: nothing is read from their files.
+"""An independent version of the shipped models, written by hand from the mechanics without their files.
 
 Each function takes the parameters by name and returns a System. Forces are written body by body, contacts as free or closed,
 friction as sticking or sliding in one direction, so that every field is smooth between two events.
@@ -11,7 +11,7 @@ from typing import Callable, Optional
 
 @dataclass
 class Event:
-    """Happens where guard(t, y) rises through zero in the mode; then(t, y) gives the state and the mode that follow."""
+    """Occurs where guard(t, y) rises through zero in the mode; then(t, y) gives the next state and mode."""
 
     kind: str
     mode: str
@@ -23,9 +23,9 @@ class Event:
 class System:
     fields: dict  # mode -> f(t, y), the derivative of y
     events: list
-    mode: Callable  # mode of a state that is given from outside: mode(t, y)
+    mode: Callable  # mode of an initial state: mode(t, y)
     period: Optional[float] = None  # of the forcing; None: autonomous
-    forward: bool = False  # the state stands at a stop: differences to one side only
+    forward: bool = False  # the state lies at a stop: one-sided differences only
 
 
 def sign(x):
@@ -120,7 +120,7 @@ def gear_backlash(p):
 
 
 def impact_pair(p):
-    """The ball moves at a constant speed; seen from the box it is accelerated by minus the acceleration of the box."""
+    """The ball moves at a constant speed; its acceleration relative to the box is minus that of the box."""
     box_acceleration = lambda t: -p["A"] * p["omega"]**2 * sin(p["omega"] * t)
     return System({"free": lambda t, y: (y[1], -box_acceleration(t))},
                   [rigid_stop(1.0, p["e"], 1), rigid_stop(-1.0, p["e"], -1)], lambda t, y: "free", 2 * pi / p["omega"])
@@ -206,7 +206,7 @@ def rotor_rub(p):
 
 
 def two_mass_impact_pair(p):
-    """Restitution in the relative speed, the common momentum kept."""
+    """Restitution of the relative speed; the total momentum is conserved."""
 
     def free(t, y):
         x1, x2, v1, v2 = y
@@ -271,7 +271,7 @@ def capsule(p):
 
 
 def block_on_belt(p):
-    """Friction mu/(1 + delta u) at the sliding speed u drags the block along with the belt; it sticks while mu holds it."""
+    """Friction mu/(1 + delta u) at the sliding speed u drags the block along with the belt; mu is the static limit."""
     V = p["V"]
     friction = lambda u: p["mu"] / (1 + p["delta"] * u)
     held = lambda y: y[0] + p["c"] * V  # the force that holds a sticking block
@@ -297,7 +297,7 @@ def relief_valve(p):
 
 
 def rimless_wheel(p):
-    """Inverted pendulum; at heel strike the angular momentum about the new contact point is kept."""
+    """Inverted pendulum; at heel strike the angular momentum about the new contact point is conserved."""
 
     def strike(t, y):
         return [p["gamma"] - p["alpha"], y[1] * cos(2 * p["alpha"])], "stance"
@@ -312,7 +312,7 @@ def coco_impact_oscillator(p):
 
 
 def coco_stick_slip(p):
-    """The sliding mass is put back to rest by a constant force, and by what the spring and the field exert on the other one."""
+    """The sliding mass is brought to rest by a constant force, and by the force of spring and field on the other mass."""
     def force(t, q, v):
         field = (p["V"] * sin(p["w"] * t) / (1 - q))**2
         return field - q - p["c"] * v
@@ -324,7 +324,7 @@ def coco_stick_slip(p):
               "slip": lambda t, y: (y[1], p["n"] + 1.2 * force(t, y[0], y[1]), -p["n"] - 0.2 * force(t, y[0], y[1]))}
     events = [Event("impact", "stick", lambda t, y: y[0] - 0.5, collide),
               Event("stick", "slip", lambda t, y: -y[2], lambda t, y: ([y[0], y[1], 0.0], "stick"))]
-    # While the mass sticks u is no state: an orbit begins so, and differences in u must not make it slide.
+    # While the mass sticks, u is not a state. An orbit begins in this mode, and differences in u must not start a slip.
     return System(fields, events, lambda t, y: "stick", pi / p["w"])
 
 

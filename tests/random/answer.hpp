@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The program's answer as plain data: the checked part of graze.branch/1.
+// The answer of the program as plain data: the checked part of graze.branch/1.
 #pragma once
 
 #include <array>
@@ -44,12 +44,12 @@ struct AnswerBranch {
 };
 
 struct Answer {
-  std::string failure;       ///< why there is none: empty if there is one
+  std::string failure;       ///< reason if there is no answer; otherwise empty
   bool interrupted = false;  ///< its time was used up
   std::vector<AnswerBranch> branches;
 };
 
-/// From the program's JSON.
+/// Reads the JSON of the program.
 Answer parse_answer(const std::string& json);
 
 }  // namespace graze::reference

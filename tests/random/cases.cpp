@@ -42,7 +42,7 @@ std::string exact(double value) {
   return text;
 }
 
-/// In which each parameter is drawn and followed.
+/// Range in which each parameter is drawn and followed.
 Range range_of(std::size_t name) {
   switch (name) {
   case B:
@@ -58,7 +58,7 @@ Range range_of(std::size_t name) {
   }
 }
 
-/// Those that other models have besides. Motions that chatter are not asked for there: k_r stays away from 0.
+/// Ranges of the additional parameters of other models. k_r stays away from 0, so that motions do not chatter.
 Range range_of(Model model, std::size_t name) {
   if (model == Model::barrier || name == B || name == XI || name == ETA) return range_of(name);
   if (name == K_R || (name == K_L && !is_chain(model))) return {0.3, 1.0};
@@ -94,7 +94,7 @@ std::string settings(const Frame& frame) {
   return out;
 }
 
-// Starts closer to a grazing than this are none that a state at phase 0 tells in double.
+// Closer to a grazing than this, a state at phase 0 in double does not determine the start.
 constexpr double least_speed = 1e-3, least_gap = 1e-5, largest_multiplier = 1e4;
 
 bool weak(const Frame& frame, const Values<double>& y) {
@@ -103,7 +103,7 @@ bool weak(const Frame& frame, const Values<double>& y) {
   return gap(frame, y) > -least_gap;
 }
 
-/// Of a model with more than one barrier and one mass.
+/// A case of a model with more than one barrier or mass.
 Case random_other(Random& random, std::optional<std::size_t> name, Model model) {
   constexpr int most_settled = 6;
   for (;;) {
@@ -145,8 +145,8 @@ Case random_other(Random& random, std::optional<std::size_t> name, Model model) 
 }  // namespace
 
 Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name, Model model) {
-  // Of ten cases, one each starts next to a fold, to a doubling and to a grazing, and two on an attractor of up to so many
-  // impacts.
+  // Of ten cases, one each starts near a fold, near a doubling and near a grazing. Two start on an attractor with at most
+  // `most_settled` impacts.
   constexpr std::size_t near_places = 3, first_settled = 8;
   constexpr int most_settled = 6;
   Random random(seed, index);
@@ -176,7 +176,7 @@ Case random_case(std::uint64_t seed, std::uint64_t index, std::optional<std::siz
     OneImpactForm<double> form = one_impact(out.frame.base, out.frame.periods);
     Values<double> speeds = form.speeds();
     if (place < near_places) {
-      // Next to a point: the forcing amplitude is chosen so that the orbit has that speed.
+      // Near a point: the forcing amplitude is chosen so that the orbit has the impact speed of that point.
       const double at = place == 0 ? form.fold_speed() : form.flip_speed();
       const double speed = place == 2 ? 100.0 * closeness : at * (1.0 + (which == 0 ? closeness : -closeness));
       const double xi = form.amplitude_of(speed) / impactless_amplitude(form.q) * form.q[XI];
@@ -205,7 +205,7 @@ std::string arguments(const Case& one) {
 }
 
 SkeletonCase random_skeleton(std::uint64_t seed, std::uint64_t index, std::optional<std::size_t> name) {
-  // Of the parameter's whole range: a picture of more takes long.
+  // Fraction of the parameter's whole range: a skeleton of more takes long.
   constexpr double least_part = 0.05, largest_part = 0.25;
   Random random(seed ^ 0x5ca1ab1eu, index);
   for (;;) {
@@ -229,7 +229,7 @@ std::string arguments(const SkeletonCase& one) {
 }
 
 std::vector<Family> one_impact_families(const Frame& frame, const Range& range, int most_periods) {
-  // A family that is shorter than a hundredth of the range, and lies between two of the values, is not asked for.
+  // A family shorter than a hundredth of the range may lie between two of the values, and is not required.
   constexpr int values = 101;
   std::vector<Family> out;
   for (int n = 1; n <= most_periods; ++n) {

@@ -13,22 +13,24 @@ namespace {
 
 /// Largest error of a located value, relative to its own size or to a tenth of the range.
 constexpr double value_tolerance = 3e-12;
-/// Nearer than this, relative, a reported point is taken for the one that is asked for, and its value is judged.
+/// Within this relative distance a reported point counts as the expected one, and its value is judged.
 constexpr double same_point = 1e-6;
-/// Of the states of a branch's points. The program's own residuals are at rounding, near folds and grazings its states are not.
+/// Tolerance of the states of a branch's points. The residuals of the program are at rounding, but near folds and grazings its
+/// states are less accurate.
 constexpr double state_tolerance = 1e-6;
-/// Next to a doubling the equations of doubled orbits are nearly singular: a point there need only tend to it, which is that its
-/// distance from the doubling is right within this share.
+/// Near a doubling the equations of doubled orbits are nearly singular. A point there need only approach the doubling: its
+/// distance from it must be correct up to this fraction.
 constexpr double by_doubling = 0.6, near_doubling = 1e-2;
-/// Largest step between neighbouring points in the events' coordinates, with the weights of the family's arclength.
+/// Largest step between neighbouring points in the coordinates of the events, with the weights of the family's arclength.
 constexpr double largest_gap = 1.5;
-/// Likewise from where a family begins (the given orbit, or the doubling) to the first point.
+/// The same from the start of a family (the given orbit, or the doubling) to the first point.
 constexpr double largest_start = 0.1;
-/// Points of a branch among which one is sought whose events can be told from its states: next to a grazing they cannot.
+/// Number of first points of a branch that are tried for the events of its orbit: near a grazing the states do not determine
+/// them.
 constexpr std::size_t first_points = 20;
-/// Of the sums of powers of the multipliers, relative to the largest; from impacts with this speed on.
+/// Tolerance of the power sums of the multipliers, relative to the largest, for impacts of at least this speed.
 constexpr double multiplier_tolerance = 1e-6, multiplier_speed = 1e-2;
-/// Stop reason of the branch on which the program's time is used up: the rest is not asked for.
+/// Stop reason of the branch at which the time of the program is used up: the rest is not required.
 constexpr const char* interrupted = "interrupted";
 /// Finer steps with which the reference confirms its own verdict before it complains.
 constexpr double fine_step = 0.004;
@@ -49,15 +51,15 @@ double scale(const Family& family, double value) {
   return std::max(std::fabs(value), 0.1 * (family.range.high - family.range.low));
 }
 
-/// How far a doubled orbit is from its doubling, if it is near; else 0.
+/// Distance of a doubled orbit from its doubling if it is near; otherwise 0.
 double from_origin(const Family& family, const std::vector<State>& states) {
   if (family.origin.empty()) return 0.0;
   const double far = apart(states, states_of(family.frame, family.origin));
   return far < near_doubling ? far : 0.0;
 }
 
-/// Nearer to the doubling than the doubled family's first sample, or about as near, or so near that p - p_0 is lost to rounding:
-/// it is known to rounding over the distance.
+/// True if the point is closer to the doubling than the first sample of the doubled family, or about as close. Also true if it
+/// is so close that p - p_0 is lost to rounding: its error is rounding over the distance.
 bool before_first(const Family& family, const AnswerPoint& point) {
   const double far = from_origin(family, point.states);
   if (far == 0.0) return false;
@@ -65,10 +67,10 @@ bool before_first(const Family& family, const AnswerPoint& point) {
          std::fabs(point.value - family.origin.back()) * far < 1e-14 * scale(family, point.value);
 }
 
-/// Arclength of the branch's points; complains of those that do not lie on the family, or not in order.
+/// Arclengths of the points of a branch; complains about points that do not lie on the family, or not in order.
 struct Placed {
-  std::vector<double> sigmas;  ///< NaN: nowhere
-  double last = 0.0;           ///< of the last that lies on it
+  std::vector<double> sigmas;  ///< NaN: not on the family
+  double last = 0.0;           ///< arclength of the last point on the family
 };
 
 Placed place_points(const Family& family, const AnswerBranch& branch, std::vector<Complaint>& out) {
@@ -77,14 +79,14 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
   for (const AnswerPoint& point : branch.points)
     for (const State& state : point.states) size = std::max(size, largest(state));
   const double total = family.samples.back().sigma;
-  // A point on a fold is known to half the digits, and so is its arclength.
+  // At a fold the state has half the digits, and so has the arclength.
   const double slack = 1e-5 * (1.0 + total);
   bool astray = false, backwards = false, gap = false;
   for (std::size_t i = 0; i < branch.points.size(); ++i) {
     const AnswerPoint& point = branch.points[i];
     std::vector<Place> found = places(family, point.value, point.states,
                                       std::max(state_tolerance * size, by_doubling * from_origin(family, point.states)));
-    // A closed family that was born on symmetric orbits comes back to its birth: the first points are not those of its end.
+    // A closed family that was born on symmetric orbits returns to its birth: the first points must not be placed at its end.
     if (family.end == End::closed && !family.origin.empty() && placed.last < largest_start) {
       std::erase_if(found, [&](const Place& place) { return place.sigma > 0.5 * total; });
       const std::vector<State> origin = states_of(family.frame, family.origin);
@@ -93,7 +95,7 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
         continue;
       }
     }
-    // The first of those that agree: a closed family ends with the orbit with which it begins.
+    // The first of the matching places: a closed family ends with the orbit with which it begins.
     double nearest = 1e300;
     for (const Place& place : found)
       if (place.sigma >= placed.last - slack) nearest = std::min(nearest, place.distance);
@@ -106,9 +108,9 @@ Placed place_points(const Family& family, const AnswerBranch& branch, std::vecto
         if (!backwards) out.push_back({"order", text("point %zu (%.17g) lies behind the point before", i + 1, point.value)});
         backwards = true;
       } else if (!astray) {
-        // Between a doubling and the first sample, and after the onset of sticking, the reference knows nothing.
+        // The reference has no orbits between a doubling and the first sample, and after the onset of sticking.
         if (family.end == End::sticking || (placed.last == 0.0 && before_first(family, point))) continue;
-        // Nor between the last sample and another doubling.
+        // Nor has it any between the last sample and another doubling.
         if (family.end == End::halved && apart(point.states, states_of(family.frame, family.samples.back().y)) < near_doubling)
           continue;
         out.push_back({"astray", text("point %zu (%.17g) is no orbit of the family", i + 1, point.value)});
@@ -141,7 +143,7 @@ std::string described(const Located& expected) {
   return out;
 }
 
-/// Whether the points before and behind it are those between which it lies.
+/// Whether it lies between the points before and after it.
 bool in_place(const Family& family, const Located& expected, const AnswerSpecial& reported, const Placed& placed) {
   const std::size_t after = static_cast<std::size_t>(reported.after_point), last = placed.sigmas.size();
   const double slack = 1e-5 * (1.0 + family.samples.back().sigma);
@@ -153,7 +155,7 @@ void compare_point(const Family& family, const Located& expected, const AnswerSp
                    std::vector<Complaint>& out) {
   const double value = static_cast<double>(expected.value);
   const double off = static_cast<double>(magnitude(Quad(reported.value) - expected.value));
-  // A value is printed to the next double.
+  // A printed value is rounded to the nearest double.
   const double rounding = 0.5 * (std::nextafter(std::fabs(value), 1e300) - std::fabs(value));
   const std::string which = reported.label + " of " + described(expected);
   if (off > value_tolerance * scale(family, value)) out.push_back({"value", text("%s: off by %.2g", which.c_str(), off)});
@@ -166,7 +168,8 @@ void compare_point(const Family& family, const Located& expected, const AnswerSp
   if (expected.kind == Kind::GR) {
     if ((reported.kind == "gained") != expected.gained || (reported.kind == "lost") == expected.gained)
       out.push_back({"lost or gained", which + ": " + reported.kind});
-    // Where a symmetric orbit touches both stops at once, orbits with one impact more and with two begin: either may be named.
+    // Where a symmetric orbit touches both stops at once, orbits with one impact more and orbits with two begin: both answers
+    // are valid.
     const bool single = family.frame.half && expected.gained && reported.change[1] == expected.before + 1;
     if (reported.change[0] != expected.before || (reported.change[1] != expected.after && !single))
       out.push_back({"impacts at a grazing", text("%s: %d to %d", which.c_str(), reported.change[0], reported.change[1])});
@@ -192,8 +195,8 @@ void compare_points(const Family& family, const AnswerBranch& branch, const Plac
   std::vector<bool> used(branch.special_points.size(), false);
   for (const Located& expected : family.points) {
     const double value = static_cast<double>(expected.value);
-    // A branch from one end of broken symmetry to the other has folds of equal values, one the mirror image of the other: that in
-    // the right place is meant.
+    // A branch from one end of broken symmetry to the other has pairs of folds with equal values, mirror images of each other.
+    // The one at the right place counts.
     std::size_t best = used.size();
     std::pair<bool, double> least{true, same_point * scale(family, value)};
     for (std::size_t k = 0; k < used.size(); ++k) {
@@ -222,7 +225,7 @@ void compare_points(const Family& family, const AnswerBranch& branch, const Plac
   }
 }
 
-/// Of the whole orbit, where the frame has the half of a symmetric one.
+/// Monodromy matrix of the whole orbit, if the frame has half of a symmetric one.
 Table<double> whole_monodromy(const Frame& frame, const Values<double>& y) {
   const Table<double> M = monodromy(frame, y);
   return frame.half ? M * M : M;
@@ -253,8 +256,8 @@ std::vector<std::complex<double>> multipliers_of(const Table<double>& M) {
   return out;
 }
 
-/// Multipliers of the points against the power sums of the reference's, and the stability that follows from them. Next to a
-/// grazing, or to a fold, they are not known well.
+/// Compares the multipliers of the points with the power sums of the reference, and the stability that follows from them. Near
+/// a grazing or a fold they are inaccurate.
 void compare_multipliers(const Family& family, const AnswerBranch& branch, std::vector<Complaint>& out) {
   for (const AnswerPoint& point : branch.points) {
     if (point.multipliers.size() != family.frame.block()) continue;
@@ -290,10 +293,10 @@ void compare_end(const Family& family, const AnswerBranch& branch, const Placed&
                                                branch.stop.c_str(), family.end_value, name(family.end))});
     return;
   }
-  // The last point is the end, or a step from the grazing at most.
+  // The last point is the end, or at most one step from the grazing.
   const double total = family.samples.back().sigma, left = total - placed.last;
   const double most = family.end == End::bound ? 1e-5 * (1.0 + total) : largest_gap;
-  // "Returned" to its parent is said at the last point before, and "closed" at the first point, which is next to the birth.
+  // "Returned" to its parent is reported at the last point before, and "closed" at the first point, which is near the birth.
   const bool closed = family.end == End::closed && !family.origin.empty();
   const double expected_value = closed ? family.origin.back() : family.end_value;
   const double off = family.end == End::halved ? 0.0 : std::fabs(branch.stop_value - expected_value);
@@ -302,7 +305,7 @@ void compare_end(const Family& family, const AnswerBranch& branch, const Placed&
                                branch.stop.c_str(), left, family.end_value)});
 }
 
-/// Demands on every branch that need no reference: range, labels, stop reason, impacts of doubled branches.
+/// Requirements on every branch without a reference: range, labels, stop reason, impacts of doubled branches.
 void check_alone(const Frame& frame, const Range& range, const Answer& answer, std::vector<Complaint>& out) {
   std::set<std::string> labels;
   const double rounding = 1e-13 * (1.0 + std::fabs(range.low) + std::fabs(range.high));
@@ -345,7 +348,7 @@ void check_alone(const Frame& frame, const Range& range, const Answer& answer, s
   }
 }
 
-/// The check of one answer: every branch once, against the family that it should be.
+/// The check of one answer: each branch once, against its family.
 class Check {
  public:
   Check(const Frame& frame, const Range& range, const Answer& answer, int most_impacts)
@@ -393,7 +396,7 @@ class Check {
     verdict_.complaints.push_back({kind, (who.empty() ? "" : who + ": ") + what});
   }
 
-  /// The branch, and those that are doubled on it, against `family`, which makes it with given options.
+  /// Compares the branch, and those doubled on it, with `family`, which follows the family with given options.
   void compare_with(const AnswerBranch& branch, const std::string& who, const auto& family) {
     done_.insert(branch.id);
     std::optional<Family> found = family({});
@@ -420,7 +423,7 @@ class Check {
     compare_doubled(*found, branch);
   }
 
-  /// Arclength from the family's start to a point early on the branch; huge if that is not on it.
+  /// Arclength from the start of the family to a point early on the branch; very large if the point is not on the family.
   static double length_to(const Family& family, const AnswerBranch& branch) {
     if (branch.points.empty()) return 1e300;
     const AnswerPoint& early = branch.points[branch.points.size() / 4];
@@ -431,7 +434,7 @@ class Check {
   }
 
   void compare_doubled(const Family& parent, const AnswerBranch& branch) {
-    // A doubled family that ends at another doubling is followed once, from one of them.
+    // A doubled family that ends at another doubling is followed once, from one of the two.
     std::set<double> reached;
     for (const Located& doubling : parent.points) {
       if ((doubling.kind != Kind::PD && doubling.kind != Kind::BP) || !doubling.side) continue;
@@ -457,7 +460,7 @@ class Check {
       }
       if (family->end == End::halved && child) reached.insert(family->end_value);
       if (!child) {
-        // Of later generations none is asked for.
+        // Later generations are not required.
         if (!answer_.interrupted && branch.id == answer_.branches.front().id && reached.count(value) == 0 &&
             family->frame.periods <= most_periods_)
           complain("", "child missing",
@@ -470,7 +473,7 @@ class Check {
     }
   }
 
-  /// A branch without impacts follows the impactless motion to the bound, or to where its amplitude is r.
+  /// A branch without impacts follows the impactless motion to the bound, or to its grazing at amplitude r.
   void check_impactless(const AnswerBranch& branch) {
     const std::string who = text("branch %d (0/1)", branch.id);
     const double start = branch.points.front().value, next = branch.points[1].value;
@@ -504,7 +507,8 @@ class Check {
       expected.value = *value;
       expected.gained = true;
       expected.after = frame_.model == Model::equal_stops ? 2 : 1;
-      // The 1/1 orbits of small speed w at the stop have amplitude^2 = wall^2 - 2 wall alpha w. Equal stops are touched at once.
+      // The 1/1 orbits of small speed w at the stop have amplitude^2 = wall^2 - 2 wall alpha w. Equal stops are touched at
+      // once.
       Frame one = frame_;
       one.half = false;
       one.periods = 1;
@@ -543,8 +547,8 @@ class Check {
       if (done_.count(branch.id) == 0) check_other(branch);
   }
 
-  /// A family of a skeleton is among its branches, whole: from end to end no gap is larger than a step, no point is missing, and
-  /// it is there once.
+  /// A family of a skeleton must be among its branches, complete and once: from end to end no gap is larger than a step and no
+  /// special point is missing.
   void check_covered(const Family& family) {
     const std::string who = text("%d/%d family from %.17g to %.17g", family.frame.impacts(), family.frame.periods,
                                  family.samples.front().y.back(), family.samples.back().y.back());
@@ -579,7 +583,7 @@ class Check {
       bool found = false;
       for (const AnswerBranch& branch : answer_.branches)
         for (const AnswerSpecial& special : branch.special_points)
-          // A grazing may be listed on the branch beyond it alone, from where the family was found.
+          // A grazing may be listed only on the branch beyond it, from which the family was found.
           found = found || (same_type(special, point) && (point.kind == Kind::GR || special.period == family.frame.periods) &&
                             std::fabs(special.value - static_cast<double>(point.value)) <
                                 same_point * scale(family, static_cast<double>(point.value)));
@@ -587,7 +591,7 @@ class Check {
     }
   }
 
-  /// A branch of which nothing is known beforehand: its family is followed from one of its first points.
+  /// A branch that is not known in advance: its family is followed from one of its first points.
   void check_other(const AnswerBranch& branch) {
     done_.insert(branch.id);
     if (branch.points.size() < 3 || branch.points.front().sticking) return;
@@ -608,7 +612,7 @@ class Check {
       rest.points.erase(rest.points.begin(), rest.points.begin() + static_cast<std::ptrdiff_t>(i));
       std::erase_if(rest.special_points, [&](const AnswerSpecial& special) { return special.after_point < static_cast<int>(i); });
       for (AnswerSpecial& special : rest.special_points) special.after_point -= static_cast<int>(i);
-      // A fold may lie before the next point: the direction is that in which it comes first.
+      // A fold may lie before the next point: the correct direction is the one in which the point is reached first.
       int direction = branch.points[i + 1].value > point.value ? 1 : -1;
       const auto reached = [&](int way) {
         const Family family = follow(start->frame, start->y, range_, way);
@@ -656,7 +660,7 @@ AnswerBranch answer_of(const Family& family, int id) {
   AnswerBranch out;
   out.id = id;
   out.period = family.frame.periods;
-  // Labels are not to appear twice in an answer of several branches.
+  // Labels must not appear twice in an answer of several branches.
   int count = 1000 * id;
   for (const Sample& sample : family.samples) {
     // The end of a family that grazes is its last special point.
@@ -682,7 +686,7 @@ AnswerBranch answer_of(const Family& family, int id) {
     special.period = family.frame.periods;
     special.impacts = family.frame.impacts();
     special.states = states_of(family.frame, converted<double>(point.orbit));
-    special.multipliers = {point.kind == Kind::PD ? -1.0 : 1.0};  // of modulus 1, and real where that is asked for
+    special.multipliers = {point.kind == Kind::PD ? -1.0 : 1.0};  // of modulus 1, and real where required
     special.kind = point.kind != Kind::GR ? "" : point.gained ? "gained" : "lost";
     if (point.persistence) special.scenario = *point.persistence ? "persistence" : "nonsmooth-fold";
     if (point.supercritical) special.criticality = *point.supercritical ? "supercritical" : "subcritical";

@@ -11,8 +11,8 @@ struct Passage {
   std::size_t stop = 0;
 };
 
-/// First passage of a stop within `most` of a flight from `at` (just after an impact, or at phase 0); nothing if none.
-/// A passage between two samples shows itself by a maximum beyond the stop.
+/// First passage of a stop within time `most` on a flight from `at` (just after an impact, or at phase 0); nothing if there is
+/// none. A passage between two samples is detected by a maximum beyond the stop.
 std::optional<Passage> passage(const Linear<double>& system, double phase, const Point<double>& at, double most) {
   const double h = summit_sampling / fastest(system);
   const Square<double> on = transition(system, h);
@@ -53,7 +53,8 @@ std::optional<Passage> passage(const Linear<double>& system, double phase, const
   return std::nullopt;
 }
 
-/// One period from z at `phase`, carried to its end; nothing if it has more than `most` impacts. They are added to `orbit`.
+/// Carries z at `phase` over one period. Returns the number of impacts, which are added to `orbit`; nothing if there are more
+/// than `most`.
 std::optional<int> one_period(const Linear<double>& system, double phase, Point<double>& z, int most, Orbit* orbit = nullptr) {
   const double eta = system.q[ETA];
   double left = 2.0 * pi<double>() / eta;
@@ -76,7 +77,7 @@ std::optional<int> one_period(const Linear<double>& system, double phase, Point<
   return impacts;
 }
 
-/// The half of a symmetric orbit; nothing if it is none.
+/// Half of a symmetric orbit; nothing if the orbit is not symmetric.
 std::optional<Orbit> half_period_orbit(const Orbit& whole) {
   constexpr double same = 1e-6;
   const Frame& frame = whole.frame;
@@ -142,7 +143,7 @@ std::optional<Orbit> settled(const Frame& frame, double p, int most_periods, int
       if (found == 0 || found > most_impacts) return std::nullopt;
       const std::optional<Orbit> out = events_of(own, found, p, states, 1e-4);
       if (!out) return std::nullopt;
-      // Slowly approached, an orbit of a lower period comes back to itself more exactly after several.
+      // A slowly attracting orbit of a lower period can close more accurately after several of its periods.
       const std::vector<State> exact = states_of(out->frame, out->y);
       for (std::size_t shift = 1; shift < exact.size(); ++shift) {
         double far = 0.0;

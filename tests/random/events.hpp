@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The events of an orbit that is given by its states at phase 0: each period is flown from its own state in closed form, sampled
-// for passages of the barrier, and the impacts' phases and speeds are polished by Newton's method on the orbit's equations.
+// The events of an orbit given by its states at phase 0. Each period is carried from its own state in closed form and sampled
+// for passages of the barrier. Newton's method on the equations of the orbit then polishes the phases and speeds of the
+// impacts.
 #pragma once
 
 #include "answer.hpp"
@@ -14,12 +15,12 @@ struct Orbit {
   Values<double> y;
 };
 
-/// The orbit at p with these states and that number of impacts: as its half if it is symmetric. Nothing if the flights do not
-/// have them, or if the orbit's states differ from the given ones by more than `tolerance`.
+/// The orbit at p with these states and that number of impacts; a symmetric one is given by its half. Nothing if the flights
+/// have other impacts, or if the states of the orbit differ from the given ones by more than `tolerance`.
 std::optional<Orbit> events_of(Frame frame, int impacts, double p, const std::vector<State>& states, double tolerance);
 
-/// An orbit of up to `most_periods` periods on which the motion from rest (at the stop, if that lies below 0) settles, with at
-/// least one impact and up to `most_impacts`.
+/// An orbit of up to `most_periods` periods on which the motion from rest settles (from rest at the stop, if that lies below
+/// 0). It has at least one impact and up to `most_impacts`.
 std::optional<Orbit> settled(const Frame& frame, double p, int most_periods, int most_impacts);
 
 }  // namespace graze::reference

@@ -7,20 +7,21 @@ namespace graze::reference {
 
 namespace {
 
-/// Tangents of neighbouring samples enclose less than this angle.
+/// The tangents of neighbouring samples enclose a smaller angle than this.
 constexpr double least_cosine = 0.995;
 constexpr double smallest_step = 1e-9;
-/// A fold this close to the start is still between two samples.
+/// A fold at this distance from the start still lies between two samples.
 constexpr double first_step = 1e-6, halving_step = 2e-4;
-/// Of the parameter of an orbit in double, relative: with large motions next to resonance it is worse than that of one number.
+/// Relative rounding of the parameter of an orbit in double. For large motions near resonance it exceeds that of a single
+/// number.
 constexpr double parameter_rounding = 1e-11;
-/// Where a doubled family begins: the largest change of an event's coordinate from the doubling. The larger ones are for families
-/// whose parameter hardly changes at first: in double their equations are too close to singular there.
+/// Start of a doubled family: the largest change of a coordinate of the events from the doubling. The larger values are for
+/// families whose parameter hardly changes at first: their equations are too close to singular in double.
 constexpr std::array<double, 3> first_amplitudes = {1e-4, 1e-3, 1e-2};
-/// Of Newton's method for orbits an amplitude 1e-6 away from a doubling: their equations are that close to singular.
+/// Tolerance of Newton's method for orbits at an amplitude 1e-6 from a doubling: their equations are that close to singular.
 const Quad beside_singular = Quad(1e-20);
-/// From a multiplier -1 to a number beside it: far above the multiplier's error, far below its distance to the others.
-const Quad aside = Quad(1e-10);
+/// Shift from a multiplier -1: far above the error of the multiplier, far below its distance to the others.
+const Quad multiplier_shift = Quad(1e-10);
 
 Values<double> difference(const Values<double>& a, const Values<double>& b) {
   Values<double> out = a;
@@ -36,7 +37,7 @@ double product(const Values<double>& a, const Values<double>& b, const Values<do
 
 double length(const Values<double>& a, const Values<double>& weights) { return std::sqrt(product(a, a, weights)); }
 
-/// Orbits between two samples by a coordinate from 0 to 1 along their chord.
+/// Orbits between two samples, by a coordinate from 0 to 1 along their chord.
 struct Chord {
   const Frame& frame;
   Values<double> weights, a, b;
@@ -57,7 +58,7 @@ struct Chord {
   std::optional<Values<double>> orbit(double lambda) const { return corrected(frame, guess(lambda), at(lambda)); }
 };
 
-/// Where `condition` (of an orbit in double) changes sign between 0 and `last`, by bisection.
+/// Zero of `condition` (of an orbit in double) between 0 and `last`, by bisection of its change of sign.
 template <class Condition> std::optional<double> bisected(const Chord& chord, const Condition& condition, double last = 1.0) {
   double low = 0.0, high = last;
   const std::optional<Values<double>> first = chord.orbit(low), other = chord.orbit(high);
@@ -79,7 +80,7 @@ struct Root {
   Values<Quad> y;
 };
 
-/// Secants in Quad from a place known in double.
+/// Secant method in Quad from a value known in double.
 template <class Condition> std::optional<Root> refined(const Chord& chord, double lambda, const Condition& condition) {
   Quad a = lambda, b = Quad(lambda) + Quad(1e-8);
   std::optional<Values<Quad>> y = corrected(chord.frame, chord.guess(a), chord.at(a), 20);
@@ -103,7 +104,7 @@ template <class Condition> std::optional<Root> refined(const Chord& chord, doubl
   return Root{b, change, *y};
 }
 
-/// z with J(-1) z = 0: by inverse iteration, with a shift, for J may be singular to the last bit.
+/// z with J(-1) z = 0, by inverse iteration. A shift is needed because J may be singular to the last bit.
 Values<Quad> antiperiodic(const Frame& frame, const Values<Quad>& y) {
   Table<Quad> J = jacobian(frame, y, Quad(-1));
   Quad size(0);
@@ -122,7 +123,7 @@ Values<Quad> antiperiodic(const Frame& frame, const Values<Quad>& y) {
 
 int sign_of(Quad value) { return value > Quad(0) ? 1 : value < Quad(0) ? -1 : 0; }
 
-/// Of an orbit of twice the period; of half a symmetric one, the whole.
+/// The frame of an orbit of twice the period; for half a symmetric orbit, that of the whole.
 Frame doubled_frame(const Frame& frame) {
   Frame out = frame;
   for (std::size_t i = 0; i < frame.legs(); ++i) out.stops.push_back(frame.stop(i + frame.legs()));
@@ -131,7 +132,7 @@ Frame doubled_frame(const Frame& frame) {
   return out;
 }
 
-/// The orbit as one of twice the period; half a symmetric one, as the whole.
+/// The orbit as one of twice the period; half a symmetric orbit, as the whole.
 template <class Real> Values<Real> twice(const Frame& frame, const Values<Real>& y) {
   Values<Real> out(y.begin(), y.end() - 1);
   for (std::size_t k = 0; k < frame.size(); ++k) out.push_back(y[k] + (k % frame.block() == 0 ? frame.turn<Real>() : Real(0)));
@@ -139,7 +140,7 @@ template <class Real> Values<Real> twice(const Frame& frame, const Values<Real>&
   return out;
 }
 
-/// The doubled orbit of amplitude e beside the doubling y.
+/// The doubled orbit of amplitude e near the doubling y.
 std::optional<Values<Quad>> doubled_orbit(const Frame& frame, const Values<Quad>& y, Quad e) {
   const std::size_t n = frame.size();
   const Values<Quad> z = antiperiodic(frame, y);
@@ -169,7 +170,7 @@ std::optional<int> doubled_side(const Frame& frame, const Values<Quad>& y) {
   return sign_of(*curvature);
 }
 
-/// The orbit at p beside the root, on the chord: delta in lambda.
+/// The orbit on the chord at distance `delta` in lambda from the root.
 std::optional<Values<Quad>> beside(const Chord& chord, const Root& root, double delta) {
   return corrected(chord.frame, root.y, chord.at(root.lambda + Quad(delta)), 20);
 }
@@ -177,9 +178,9 @@ std::optional<Values<Quad>> beside(const Chord& chord, const Root& root, double 
 void judge_doubling(const Chord& chord, const Root& root, Located& point) {
   point.side = doubled_side(chord.frame, root.y);
   if (!point.side || *point.side == 0) return;
-  // Side of p where det(M + I) has the sign that a multiplier beyond -1 gives it, with the others, on which det(M + (1 + d) I) /
-  // d depends here.
-  const bool others = characteristic(monodromy(chord.frame, root.y), Quad(-1) - aside) > Quad(0);
+  // Side of p on which det(M + I) has the sign of a multiplier beyond -1. This sign also depends on the other multipliers,
+  // through det(M + (1 + d) I) / d.
+  const bool others = characteristic(monodromy(chord.frame, root.y), Quad(-1) - multiplier_shift) > Quad(0);
   std::optional<int> unstable;
   for (const double delta : {1e-6, -1e-6}) {
     const std::optional<Values<Quad>> y = beside(chord, root, delta);
@@ -189,7 +190,7 @@ void judge_doubling(const Chord& chord, const Root& root, Located& point) {
   if (unstable) point.supercritical = *unstable == *point.side;
 }
 
-/// Sign of c in p = p_0 + c w of the orbits with one impact more, of speed w.
+/// Sign of c in p = p_0 + c w of the orbits with one more impact, of speed w.
 std::optional<int> added_side(const Frame& frame, const Values<Quad>& y, const Summit<Quad>& summit) {
   Frame more = frame;
   more.stops.insert(more.stops.begin() + static_cast<std::ptrdiff_t>(summit.leg) + 1, static_cast<int>(summit.stop));
@@ -214,19 +215,19 @@ std::optional<int> added_side(const Frame& frame, const Values<Quad>& y, const S
   return side;
 }
 
-/// At a lost grazing: whether impact i is lost. Where the orbit becomes one of a lower period, several are lost at once.
+/// At a lost grazing: whether impact i is lost. Several are lost at once if the orbit becomes one of a lower period.
 bool is_lost(const Frame& frame, const Values<Quad>& y, std::size_t i) {
   return magnitude(y[frame.block() * i + 1]) < Quad(1e-15);
 }
 
-/// Of the whole orbit.
+/// Number for the whole orbit.
 int count_lost(const Frame& frame, const Values<Quad>& y) {
   int count = 0;
   for (std::size_t i = 0; i < frame.legs(); ++i) count += is_lost(frame, y, i) ? 1 : 0;
   return frame.half ? 2 * count : count;
 }
 
-/// Sign of p - p_0 where the orbit without the impacts that are lost (w_i = 0) stays below the stops.
+/// Sign of p - p_0 on the side where the orbit without the lost impacts (w_i = 0) stays below the stops.
 std::optional<int> removed_side(const Frame& frame, const Values<Quad>& y) {
   const Quad p = y.back(), h = Quad(1e-8) * (Quad(1e-3) + magnitude(p)), turn = frame.turn<Quad>();
   std::optional<int> side;
@@ -256,8 +257,8 @@ std::optional<int> removed_side(const Frame& frame, const Values<Quad>& y) {
         ++kept;
         continue;
       }
-      // On the flight of the impact kept before it, which may be the last one of the turn before: of half a symmetric orbit, its
-      // mirror image.
+      // On the flight after the kept impact before it. This may be the last impact of the turn before: for half a symmetric
+      // orbit, its mirror image.
       const std::size_t before = (kept + fewer.legs() - 1) % fewer.legs();
       const Quad from = rest[frame.block() * before] - (kept == 0 ? turn : Quad(0));
       const int stop = kept == 0 && frame.half ? 1 - frame.stops[i] : frame.stops[i];
@@ -291,8 +292,8 @@ std::optional<Values<double>> tangent_at(const Frame& frame, const Values<double
   return t;
 }
 
-/// y with its impacts renumbered from j on, and moved by whole periods as near as can be to `near`. Nothing if the stops are
-/// others then.
+/// y with its impacts renumbered from j on, and shifted by whole periods as close as possible to `near`. Nothing if the stops
+/// then differ.
 std::optional<Values<double>> rotated(const Frame& frame, const Values<double>& y, std::size_t j, const Values<double>& near) {
   const std::size_t n = frame.block(), m = frame.legs();
   Values<double> out;
@@ -307,8 +308,8 @@ std::optional<Values<double>> rotated(const Frame& frame, const Values<double>& 
   return out;
 }
 
-/// Where the parameter is p on the chord, between whose `ends` (its own, and the folds on it) it is monotonic. A p that is beyond
-/// an end by no more than rounding is the end's.
+/// Places on the chord where the parameter is p. The parameter is monotonic between `ends` (those of the chord, and the folds
+/// on it). A p beyond an end by no more than rounding counts as the end.
 std::vector<double> places_on(const Chord& chord, double p, const std::vector<double>& ends) {
   const auto value = [&](double lambda) {
     const std::optional<Values<double>> y = chord.orbit(lambda);
@@ -321,7 +322,7 @@ std::vector<double> places_on(const Chord& chord, double p, const std::vector<do
     if (std::fabs(at_low) <= rounding) out.push_back(low);
     if ((at_low > 0.0) != (at_high > 0.0)) {
       for (int step = 0; step < 60 && high - low > 1e-13; ++step) {
-        // Regula falsi, bisection now and then.
+        // Regula falsi, with a bisection every third step.
         const double next = step % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
         const double here = value(next);
         if (here == 0.0) {
@@ -361,7 +362,7 @@ class Follower {
     double h = first_step;
     while (!tangent_.empty() && static_cast<int>(family_.samples.size()) < options_.most && h > smallest_step) {
       const std::optional<Values<double>> next = step(h);
-      // Where the halves of a doubled orbit become the same the last sample is to lie close before.
+      // Where the halves of a doubled orbit coincide, the last sample must lie close before.
       const Chord chord{family_.frame, family_.weights, family_.samples.back().y, next.value_or(family_.samples.back().y)};
       if (!next || (h > halving_step && halves(chord))) {
         h *= 0.5;
@@ -393,7 +394,7 @@ class Follower {
     return y;
   }
 
-  /// The step to `next`: its points, and whether the family ends in it.
+  /// Takes the step to `next` with its points; returns whether the family ends in it.
   bool take(const Values<double>& next) {
     const Frame& frame = family_.frame;
     const Sample last = family_.samples.back();
@@ -408,7 +409,7 @@ class Follower {
       end = what;
       grazing.reset();
     };
-    // Between two samples the parameter is furthest at a fold, if there is one.
+    // Between two samples the parameter is extreme at a fold, if there is one.
     std::optional<double> fold;
     if ((condition(frame, last.y, 1) > 0.0) != (condition(frame, next, 1) > 0.0)) {
       fold = bisected(chord, [&](const Values<double>& y) { return condition(frame, y, 1); });
@@ -444,7 +445,8 @@ class Follower {
         if (own && other) point.persistence = *own != *other;
         grazing = point;
       }
-    // The other maxima of an orbit that loses its only impact reach the barrier with it: they count only if they come first.
+    // The other maxima of an orbit that loses its only impact reach the barrier at the same time: they count only if they come
+    // first.
     const double before = end == End::grazing ? limit * (1.0 - 1e-7) : limit;
     const std::optional<Values<double>> last_orbit = chord.orbit(before);
     if (!last_orbit) return broken();
@@ -461,7 +463,7 @@ class Follower {
       const auto height = [&](const Values<Quad>& y) { return polished_summit(frame, y, guess).height; };
       const std::optional<Root> root = refined(chord, *lambda, height);
       if (!root) return broken();
-      // Where the orbit closes after a part of its period once the impact is lost, its other turns touch with that one.
+      // If the orbit without the lost impact closes after a part of its period, its other turns touch at the same time.
       const bool with_lost = end == End::grazing && count_lost(frame, root->y) > 0;
       if (!with_lost) {
         end_at(End::grazing, *lambda);
@@ -506,7 +508,7 @@ class Follower {
       if (!root) return broken();
       found.push_back(located(Kind::LP, chord, *root, last.sigma, size));
     }
-    // Others, where they change sign.
+    // The other conditions, where they change sign.
     const auto crossed = [&](const auto& function) -> std::optional<std::optional<Root>> {
       if ((function(last.y) > 0.0) == (function(next) > 0.0)) return std::optional<Root>();
       const std::optional<double> lambda = bisected(chord, function);
@@ -523,7 +525,7 @@ class Follower {
       judge_doubling(chord, **doubling, point);
       found.push_back(point);
     }
-    // Beyond a grazing, multipliers mean nothing.
+    // Beyond a grazing, multipliers are meaningless.
     if (is_chain(frame.model) && !(end == End::grazing)) {
       const auto circle = crossed([&](const auto& y) { return pair_condition(monodromy(frame, y)); });
       if (!circle) return broken();
@@ -562,7 +564,7 @@ class Follower {
     return out;
   }
 
-  /// Where the step passes the start again, in the same direction.
+  /// The place where the step passes the start again, in the same direction.
   std::optional<double> closes(const Chord& chord, double size) const {
     const Values<double>& start = family_.samples.front().y;
     if (family_.samples.size() < 3) return std::nullopt;
@@ -580,13 +582,14 @@ class Follower {
     return std::nullopt;
   }
 
-  /// Whether the halves of a whole orbit that are compared are mirror images, as those of a symmetric one.
+  /// Whether the compared halves of a whole orbit are mirror images, as for a symmetric orbit.
   bool mirrored() const { return family_.frame.periods % 2 != 0; }
 
-  /// The symmetric orbit that orbits less symmetric come down to on the chord: there the family passes over to their mirror
-  /// images.
+  /// The symmetric orbit on the chord at which the family of less symmetric orbits ends. There the family continues with their
+  /// mirror images.
   std::optional<Located> symmetry_breaking(const Chord& chord, double sigma) const {
-    // Of the parameter, to both sides, in its range; on the family it changes by the square of the step.
+    // Distance in the parameter to either side, within its range. On the family the parameter changes by the square of the
+    // step.
     const double beside = 1e-5 * (family_.range.high - family_.range.low);
     const std::size_t n = family_.frame.size() / 2;
     Frame frame = family_.frame;
@@ -613,8 +616,8 @@ class Follower {
     return out;
   }
 
-  /// Whether both halves of the orbit become the same on the chord. The family of the undoubled orbits passes there too, and the
-  /// step may have gone over to it.
+  /// Whether both halves of the orbit coincide on the chord. The family of the undoubled orbits passes there too, and the step
+  /// may have switched to it.
   bool halves(const Chord& chord) const {
     constexpr double same = 1e-7;
     const Frame& frame = family_.frame;
@@ -658,7 +661,7 @@ Family follow_both_ways(const Frame& frame, const Values<double>& start, const R
   if (back.end == End::closed || back.end == End::broken) return back;
   Family on = follow(frame, start, range, 1, options);
   if (on.end == End::broken) return on;
-  // One after the other, with the weights that both have.
+  // Joins the two pieces, with the weights common to both.
   const double turn = back.samples.back().sigma;
   Family out = on;
   for (Sample& sample : out.samples) sample.sigma += turn;
@@ -690,7 +693,7 @@ std::optional<Family> follow_doubled(const Family& parent, const Located& doubli
     if (found.end == End::broken) continue;
     found.origin = converted<double>(twice(parent.frame, doubling.orbit));
     if (found.end == End::halved) {
-      // At the nearest other doubling of the parent.
+      // Ends at the nearest other doubling of the parent.
       double least = 1e300;
       for (const Located& other : parent.points) {
         if (other.kind != doubling.kind || &other == &doubling) continue;

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The equations of orbits with m impacts in n forcing periods, and of their families in a parameter p, in the coordinates of the
-// events. The unknowns are a block (phi, w) for each impact, its phase and approach speed, and p. A second mass adds to the block
-// its coordinate and velocity before the impact, which the wall leaves free. With z(block) the state before the impact:
+// The equations of orbits with m impacts in n forcing periods, and of their families in a parameter p, in the coordinates of
+// the events. The unknowns are p and, for each impact, a block (phi, w) of its phase and approach speed. A second mass adds to
+// the block its coordinate and velocity before the impact, which the wall does not fix. Let z(block) be the state before the
+// impact:
 //
 //     flight from the rebound of z(block_i) at phi_i to phi_{i+1} = z(block_{i+1}),     phi_{m+1} = phi_1 + 2 pi n
 //
-// They are smooth through w_i = 0. Let A_i, B_i be the derivatives by block_i and block_{i+1}, and J(kappa) their cyclic
-// matrix with kappa B_m in its corner. A multiplier +1 (fold) is det J(1) = 0, a multiplier -1 (doubling) det J(-1) = 0: the
-// impacts' speeds, by which the multipliers' own conditions are singular, are divided out. B is singular at w = 0, J is not.
+// The equations are smooth through w_i = 0. Let A_i, B_i be the derivatives by block_i and block_{i+1}, and J(kappa) their
+// cyclic matrix with kappa B_m in its corner. A multiplier +1 (fold) is det J(1) = 0, a multiplier -1 (doubling) is det J(-1)
+// = 0. The impact speeds, which make the conditions on the multipliers themselves singular, are divided out. B is singular at
+// w = 0, J is not.
 //
-// A symmetric orbit between equal stops, (phi + pi n, -x) = (phi, x) with n odd, is given by one half of it: a block's mirror
-// image has the same w at the other stop. The equations close with that image after pi n, and det J(-1) = 0 is a multiplier +1 of
-// the whole orbit: the symmetry breaks (BP).
+// A symmetric orbit between equal stops, (phi + pi n, -x) = (phi, x) with n odd, is given by one half of it: the mirror image
+// of a block has the same w at the other stop. The equations close with that image after pi n, and det J(-1) = 0 is a
+// multiplier +1 of the whole orbit: the symmetry breaks (BP).
 #pragma once
 
 #include "linear.hpp"
@@ -21,13 +23,13 @@
 
 namespace graze::reference {
 
-/// The constants of a family: every parameter but one, the periods and the stops in the order of the impacts.
+/// The constants of a family: all parameters except one, the periods, and the stops in the order of the impacts.
 struct Frame {
   Model model = Model::barrier;
   Parameters<double> base{};
   std::size_t name = ETA;  ///< of the parameter that changes
   int periods = 1;
-  std::vector<int> stops = {0};  ///< of a symmetric orbit those of one half
+  std::vector<int> stops = {0};  ///< for a symmetric orbit those of one half
   bool half = false;             ///< a symmetric orbit
   std::size_t block() const { return is_chain(model) ? 4 : 2; }
   std::size_t legs() const { return stops.size(); }
@@ -67,7 +69,7 @@ Values<Real> block_of(const Linear<Real>& system, const Stop<Real>& stop, Real p
 
 template <class Real> using Derivatives = std::array<Point<Real>, 4>;
 
-/// Of the state before an impact by its block, but for the phase.
+/// Derivatives of the state before an impact by its block, except the phase.
 template <class Real> Derivatives<Real> by_block(const Linear<Real>& system, const Stop<Real>& stop) {
   Derivatives<Real> out{};
   for (std::size_t c = 1; c < system.size(); ++c) {
@@ -78,14 +80,14 @@ template <class Real> Derivatives<Real> by_block(const Linear<Real>& system, con
   return out;
 }
 
-/// The flight from one impact to the next, and the end's derivatives.
+/// The flight from one impact to the next, and the derivatives of its end.
 template <class Real> struct Leg {
   Linear<Real> system;
   Stop<Real> from, to;
   Real phase, duration;
   Point<Real> before, start, end;
   Square<Real> over;
-  Derivatives<Real> by_start, by_end;  ///< of the end less z(next block), by both blocks
+  Derivatives<Real> by_start, by_end;  ///< of the end minus z(next block), by both blocks
   Real end_phase() const { return phase + system.q[ETA] * duration; }
 };
 
@@ -140,7 +142,7 @@ template <class Real> Table<Real> jacobian(const Frame& frame, const Values<Real
   return J;
 }
 
-/// Step of the central difference by p: the error, of second order, is at the root of rounding.
+/// Step of the central difference in p: its error, of second order, is the root of rounding.
 inline double difference_step(double) { return 1e-6; }
 inline Quad difference_step(Quad) { return Quad(1e-11); }
 
@@ -159,7 +161,7 @@ template <class Real> Real condition(const Frame& frame, const Values<Real>& y, 
   return solve(jacobian(frame, y, Real(kappa)), unused);
 }
 
-/// One linear equation for y besides the orbit's: row . y = value.
+/// One linear equation for y in addition to those of the orbit: row . y = value.
 template <class Real> struct Constraint {
   Values<Real> row;
   Real value;
@@ -172,7 +174,7 @@ template <class Real> Constraint<Real> fixed_parameter(const Frame& frame, Real 
   return out;
 }
 
-/// The Jacobian by y, p included, with the constraint's row below.
+/// The Jacobian by y, p included, with the row of the constraint below.
 template <class Real> Table<Real> bordered(const Frame& frame, const Values<Real>& y, const Values<Real>& row) {
   const std::size_t n = frame.size();
   const Table<Real> J = jacobian(frame, y, Real(1));
@@ -186,12 +188,12 @@ template <class Real> Table<Real> bordered(const Frame& frame, const Values<Real
   return out;
 }
 
-/// Of Newton's last step, relative; the error is of its square. In double it is above rounding even next to doublings.
+/// Relative tolerance of Newton's last step; the error is its square. In double it is above rounding even near doublings.
 inline double converged_step(double) { return 1e-11; }
 inline Quad converged_step(Quad) { return Quad(1e-29); }
 
-/// Newton's method; nothing if it does not converge. Steps that no longer become smaller are accepted a little above the
-/// tolerance: they are rounding, and more of it where the equations are nearly singular.
+/// Newton's method; nothing if it does not converge. Steps that no longer decrease are accepted a little above the tolerance:
+/// they are rounding, which is larger where the equations are nearly singular.
 template <class Real>
 std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const Constraint<Real>& constraint, int most = 12,
                                       Real tolerance = converged_step(Real(0))) {
@@ -215,8 +217,8 @@ std::optional<Values<Real>> corrected(const Frame& frame, Values<Real> y, const 
   return std::nullopt;
 }
 
-/// M = product of exp(A duration) S over the impacts, with the jump of states S = R + (rate+ - R rate-) row / w, R the rebound.
-/// Of a symmetric orbit, M^2 is that of the whole.
+/// M = product of exp(A duration) S over the impacts, with the jump of states S = R + (rate+ - R rate-) row / w; R is the
+/// rebound. For half a symmetric orbit, M^2 is the matrix of the whole.
 template <class Real> Table<Real> monodromy(const Frame& frame, const Values<Real>& y) {
   Square<Real> M{};
   for (std::size_t i = 0; i < 4; ++i) M[i][i] = Real(frame.half ? -1 : 1);
@@ -248,7 +250,7 @@ template <class Real> Real characteristic(Table<Real> M, Real mu) {
   return solve(M, unused);
 }
 
-/// Products of two multipliers less 1, multiplied: of the minors of order 2. 0 at a Neimark-Sacker point.
+/// Product over all pairs of (product of two multipliers - 1), from the minors of order 2. It is 0 at a Neimark-Sacker point.
 template <class Real> Real pair_condition(const Table<Real>& M) {
   constexpr std::array<std::array<std::size_t, 2>, 6> pairs = {{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
   Table<Real> minors(6, 6);
@@ -272,7 +274,7 @@ template <class Real> Values<Real> power_sums(const Table<Real>& M) {
   return out;
 }
 
-/// Where two multipliers have the product 1: whether they are a complex pair. Their sum s follows from the coefficients of the
+/// If two multipliers have the product 1: whether they are a complex pair. Their sum s follows from the coefficients of the
 /// characteristic polynomial, e_3 = s e_4 + (e_1 - s).
 template <class Real> bool on_circle(const Table<Real>& M) {
   const Values<Real> p = power_sums(M);

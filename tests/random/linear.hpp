@@ -7,7 +7,7 @@
 //     P(phi) = in_cos cos(phi) + in_sin sin(phi)                                            impactless motion
 //     z(t + s) = P(phi + eta s) + exp(A s) (z(t) - P(phi)),  z = (q, q'),  z' = A z + force cos(phi)
 //
-// The exponential of one mass has the formula of oscillator.hpp; that of two masses is a Taylor series with scaling and squaring.
+// The exponential of one mass is in oscillator.hpp; that of two masses is a Taylor series with scaling and squaring.
 #pragma once
 
 #include "oscillator.hpp"
@@ -19,7 +19,7 @@
 
 namespace graze::reference {
 
-/// Their problem files are systems/NAME.toml but for the first, which is newton-elastic.toml.
+/// The problem files are systems/NAME.toml, except for the first: newton-elastic.toml.
 enum class Model { barrier, equal_stops, two_stops, chain_first, chain_second, chain_between };
 inline constexpr std::array<std::string_view, 6> model_names = {"newton-elastic", "two-equal-stops", "two-stops",
                                                                 "chain-first",    "chain-second",    "chain-between"};
@@ -69,7 +69,7 @@ template <class Real> struct Stop {
     z[3] -= change * kick[1];
     return z;
   }
-  /// The coordinate that the wall gives, and the free one.
+  /// The coordinate fixed by the wall, and the free one.
   std::size_t bound() const { return row[0] != Real(0) ? 0 : 1; }
   std::size_t free() const { return 1 - bound(); }
 };
@@ -80,9 +80,9 @@ template <class Real> struct Linear {
   Square<Real> A{};
   Point<Real> force{}, in_cos{}, in_sin{};
   std::vector<Stop<Real>> stops;
-  /// Unknowns of an impact, and states.
+  /// Number of unknowns of an impact, and of states.
   std::size_t size() const { return chain ? 4 : 2; }
-  /// Index in a Point of the state k of the program, and of the equation k.
+  /// Index in a Point of state k of the program, and of equation k.
   std::size_t index(std::size_t k) const { return chain ? k : 2 * k; }
 };
 
@@ -179,7 +179,7 @@ template <class Real> Real impactless_amplitude(const Linear<Real>& system, cons
   return root(a * a + b * b);
 }
 
-/// Of the impactless motion before the nearest stop: positive if it touches none.
+/// Distance of the impactless motion from the nearest stop: positive if it touches none.
 template <class Real> Real clearance(const Linear<Real>& system) {
   Real least(1e30);
   for (const Stop<Real>& stop : system.stops) least = std::min(least, stop.wall - impactless_amplitude(system, stop));
@@ -197,7 +197,7 @@ template <class Real> Point<Real> flight(const Linear<Real>& system, Real phase,
               transition(system, s) * plus(z, Real(-1), impactless(system, phase)));
 }
 
-/// Upper bound of its angular frequencies, the forcing's included.
+/// Upper bound of its angular frequencies, including that of the forcing.
 inline double fastest(const Linear<double>& system) {
   double most = std::max(1.0, system.q[ETA]);
   for (const std::size_t i : {2, 3}) most = std::max(most, std::sqrt(std::fabs(system.A[i][0]) + std::fabs(system.A[i][1])));

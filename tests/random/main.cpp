@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any number of random cases on request:
+// Runs any number of random cases:
 //
 //     random_cases [--command continue|diagram] [--cases N] [--seed S] [--first K] [--model NAME] [--param NAME]
 //                  [--most-impacts M] [--limit SECONDS] [--patience SECONDS] [--time SECONDS] [--program PATH]
 //
-// NAME of a model: newton-elastic (default), or a file of systems/ without ending.
-// One line for each case that fails, with the command that shows it; then how often each kind of complaint appears. The exit code
-// is 0 only if none failed.
+// NAME of a model: newton-elastic (default), or a file of systems/ without its extension.
+// Prints one line for each case that fails, with the command that reproduces it, and then the number of complaints of each
+// kind. The exit code is 0 only if none failed.
 #include "runner.hpp"
 
 #include <algorithm>

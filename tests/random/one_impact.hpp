@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Orbits with one impact in n forcing periods in closed form, at given parameters. With (d, e) the deviation from the impactless
+// Orbits with one impact in n forcing periods in closed form, at given parameters. (d, e) is the deviation from the impactless
 // motion just after the impact (phase phi, approach speed v > 0):
 //
 //     (d, e) = (1 + k_r) v (Phi(nT) - I)^(-1) (0, 1) = v (alpha, beta)
@@ -22,7 +22,7 @@ template <class Real> struct OneImpactForm {
   Parameters<Real> q;
   Transition<Real> over;  ///< Phi(nT)
   Real alpha, slope, determinant;
-  /// v of the quadratic's a v^2 - 2 h v + c = 0
+  /// v from the quadratic a v^2 - 2 h v + c = 0
   Real a() const { return alpha * alpha + slope * slope; }
   Real h() const { return q[R] * alpha; }
   Real c() const { return q[R] * q[R] - impactless_amplitude(q) * impactless_amplitude(q); }
@@ -46,9 +46,9 @@ template <class Real> struct OneImpactForm {
     while (phase >= Real(2) * pi<Real>()) phase -= Real(2) * pi<Real>();
     return {phase, v};
   }
-  /// Of the impactless motion, with which an orbit has speed v.
+  /// Amplitude of the impactless motion at which an orbit has speed v.
   Real amplitude_of(Real v) const { return root((q[R] - alpha * v) * (q[R] - alpha * v) + slope * v * slope * v); }
-  /// Those with v > 0, the slower one first. Admissibility is not checked.
+  /// Roots with v > 0, the slower one first. Admissibility is not checked.
   Values<Real> speeds() const {
     Values<Real> out;
     if (discriminant() < Real(0)) return out;
@@ -69,8 +69,8 @@ template <class Real> OneImpactForm<Real> one_impact(const Parameters<Real>& q, 
   return {q, over, alpha, (q[K_R] + beta) / q[ETA], q[K_R] * q[K_R] * exponential(-Real(2) * q[B] * nT)};
 }
 
-/// Likewise for any model, with one impact in the turn of `frame`: of a symmetric orbit, in one half of it. With d the deviation
-/// from the impactless motion P just after the impact, and sigma = -1 for one half, else 1:
+/// The same for any model, with one impact in the turn of `frame`: for a symmetric orbit, in one half of it. d is the
+/// deviation from the impactless motion P just after the impact, and sigma = -1 for one half, otherwise 1:
 ///
 ///     d - sigma exp(A turn) d = -(1 + e) w (0, kick),  row . P_q = wall - alpha w,  row . P_v = eta slope w
 ///     (row . P_q)^2 + (row . P_v / eta)^2 = amplitude^2:   a quadratic for w
@@ -83,7 +83,7 @@ template <class Real> struct SingleImpact {
     const Real amplitude = impactless_amplitude(system, stop), x = stop.wall - alpha * w;
     return x * x + slope * w * slope * w - amplitude * amplitude;
   }
-  /// Those with w > 0, the slower one first.
+  /// Roots with w > 0, the slower one first.
   Values<Real> speeds() const {
     const Real a = alpha * alpha + slope * slope, h = stop.wall * alpha, c = mismatch(Real(0)), inner = h * h - a * c;
     Values<Real> out;
@@ -123,7 +123,7 @@ template <class Real> SingleImpact<Real> single_impact(const Frame& frame, Real 
   return out;
 }
 
-/// First value of a parameter, from `from` on to `to`, at which the impactless motion touches a stop.
+/// First value of a parameter, between `from` and `to`, at which the impactless motion touches a stop.
 inline std::optional<Quad> touching(const Frame& frame, double from, double to) {
   constexpr int steps = 4000;
   const auto below = [&](Quad p) { return clearance(frame.system(p)); };

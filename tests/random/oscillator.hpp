@@ -15,7 +15,7 @@ namespace graze::reference {
 
 enum Name : std::size_t { B, XI, ETA, R, K_R, L, K_L, MASS = 5, K, C };
 
-/// By Name. Those that a model does not have are 0.
+/// By Name. Parameters that a model does not have are 0.
 template <class Real> using Parameters = std::array<Real, 8>;
 
 template <class To, class From> Parameters<To> converted(const Parameters<From>& from) {

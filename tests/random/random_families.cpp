@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The random tester: its reference against the closed form, its checker against mutations of right answers, and the program
-// against both. More cases and other seeds: the program random_cases (main.cpp), or these variables of the environment for the
-// last three test cases: GRAZE_RANDOM_CASES, GRAZE_RANDOM_SKELETONS, GRAZE_RANDOM_SYSTEM_CASES, GRAZE_RANDOM_SEED.
+// The random tester: its reference against the closed form, its checker against mutations of correct answers, and the program
+// against both. More cases and other seeds: the program random_cases (main.cpp). For the last three test cases also the
+// environment variables GRAZE_RANDOM_CASES, GRAZE_RANDOM_SKELETONS, GRAZE_RANDOM_SYSTEM_CASES, GRAZE_RANDOM_SEED.
 #include "one_impact.hpp"
 #include "runner.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 
 Family followed(const Case& one) { return follow(one.frame, one.start, one.range(), one.direction()); }
 
-/// Complaints about the right answer after a mutation.
+/// Complaints about the correct answer after a mutation.
 std::vector<Complaint> mutated(const Family& family, const std::function<bool(AnswerBranch&)>& mutate, bool& applied) {
   AnswerBranch branch = answer_of(family, 1);
   applied = mutate(branch);
@@ -30,7 +30,7 @@ AnswerSpecial* first_of(AnswerBranch& branch, const std::string& type) {
   return nullptr;
 }
 
-/// Gives the first point of a type another type.
+/// Changes the type of the first point of a type.
 std::function<bool(AnswerBranch&)> called(const std::string& type, const std::string& other) {
   return [=](AnswerBranch& branch) {
     AnswerSpecial* special = first_of(branch, type);
@@ -39,7 +39,7 @@ std::function<bool(AnswerBranch&)> called(const std::string& type, const std::st
   };
 }
 
-/// Twelfth decimal of the first value, under an error bar that covers it. Ranges of parameters are up to 4 wide.
+/// Moves the twelfth decimal of the first value, within an error bar that covers it. Ranges of parameters are up to 4 wide.
 bool moved(AnswerBranch& branch, double by) {
   if (branch.special_points.empty()) return false;
   AnswerSpecial& special = branch.special_points.front();
@@ -138,7 +138,7 @@ const std::vector<std::pair<std::string, std::function<bool(AnswerBranch&)>>>& m
       {"a piece in the middle is missing",
        [](AnswerBranch& branch) {
          const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(branch.points.size());
-         if (count < 300) return false;  // of which half are further apart than neighbours may be
+         if (count < 300) return false;  // half of them are then farther apart than allowed for neighbours
          branch.points.erase(branch.points.begin() + count / 4, branch.points.begin() + 3 * count / 4);
          return true;
        }},
@@ -164,7 +164,8 @@ const std::vector<std::pair<std::string, std::function<bool(AnswerBranch&)>>>& m
   return all;
 }
 
-/// Complaints about the right answers of the families of random cases, and about every mutation of them: how often each applies.
+/// Complaints about the correct answers of the families of random cases, and about every mutation of them. Returns how often
+/// each mutation applies.
 std::vector<int> mutate_all(Model model, std::uint64_t seed, std::uint64_t cases) {
   std::vector<int> counts(mutations().size(), 0);
   for (std::uint64_t k = 0; k < cases; ++k) {
@@ -175,8 +176,8 @@ std::vector<int> mutate_all(Model model, std::uint64_t seed, std::uint64_t cases
       if (point.kind == Kind::PD || point.kind == Kind::BP)
         if (const std::optional<Family> doubled = follow_doubled(families[0], point)) families.push_back(*doubled);
     for (const Family& family : families) {
-      // Beyond the onset of sticking, or beyond its other doubling, the reference knows nothing of the branch.
-      // In one that is hardly longer than a doubling's neighbourhood, points are not told apart.
+      // The reference has no orbits beyond the onset of sticking, or beyond another doubling. On a family hardly longer than
+      // the neighbourhood of a doubling, points are not distinguished.
       if (family.end == End::sticking || family.end == End::halved || family.samples.back().sigma < 0.2) continue;
       INFO(arguments(one) << " " << family.frame.impacts() << "/" << family.frame.periods);
       for (const Complaint& complaint : compare(family, answer_of(family, 1))) FAIL_CHECK(complaint.text);
@@ -211,7 +212,7 @@ TEST_CASE("the reference of the random tester agrees with the closed form of one
     for (const Sample& sample : family.samples) {
       const OneImpactForm<double> form = one_impact(one.frame.at(sample.y.back()), one.frame.periods);
       const double v = sample.y[1], amplitude = impactless_amplitude(form.q);
-      // Size of the three terms, to which a relative error of the parameter and the speed applies.
+      // Size of the three terms: a relative error of the parameter and the speed refers to it.
       const double size = form.a() * v * v + std::fabs(form.h() * v) + form.q[R] * form.q[R] + amplitude * amplitude;
       CHECK(std::fabs(form.mismatch(v)) < 1e-9 * size);
     }
@@ -226,7 +227,8 @@ TEST_CASE("the reference of the random tester agrees with the closed form of one
       CHECK(static_cast<double>(magnitude(form.mismatch(v))) < 1e-20);
       CHECK(point.error < 1e-20);
       ++points;
-      // Beyond a supercritical doubling the doubled orbits are stable: by their multipliers, which the verdict does not use.
+      // Beyond a supercritical doubling the doubled orbits are stable. Their multipliers confirm it; the verdict does not use
+      // them.
       if (point.kind != Kind::PD || !point.supercritical) continue;
       const std::optional<Family> doubled = follow_doubled(family, point);
       if (!doubled) continue;
@@ -239,17 +241,17 @@ TEST_CASE("the reference of the random tester agrees with the closed form of one
   CHECK(doublings > 5);
 }
 
-TEST_CASE("the checker of the random tester finds nothing in right answers and every mutation of them") {
+TEST_CASE("the checker of the random tester accepts correct answers and rejects every mutation of them") {
   const std::vector<int> counts = mutate_all(Model::barrier, 11, 25);
   for (std::size_t m = 0; m < counts.size(); ++m) {
     INFO(mutations()[m].first);
-    // Those of other models, and those of numbers that a right answer here does not have.
+    // Mutations of other models, and those of numbers that a correct answer here does not have.
     const std::string& of = mutations()[m].first;
     CHECK((counts[m] > 0) == (of.find("symmetry") == std::string::npos && of.find("Sacker") == std::string::npos));
   }
 }
 
-TEST_CASE("the checker of the random tester finds every mutation of right answers about two stops and two masses") {
+TEST_CASE("the checker of the random tester rejects every mutation of correct answers about two stops and two masses") {
   struct Some {
     Model model;
     std::uint64_t seed, cases;
@@ -267,8 +269,9 @@ TEST_CASE("the checker of the random tester finds every mutation of right answer
   }
 }
 
-TEST_CASE("the exponential of two masses agrees with their modes where the damping is proportional") {
-  // C = 2 b K: each mode has frequency w and damping b w^2. With M^-1/2 K M^-1/2 = [a, f; f, d] its directions are a rotation's.
+TEST_CASE("the exponential of two masses agrees with their modes for proportional damping") {
+  // C = 2 b K: each mode has frequency w and damping b w^2. With M^-1/2 K M^-1/2 = [a, f; f, d] its directions form a
+  // rotation.
   for (std::uint64_t k = 0; k < 20; ++k) {
     const double part = static_cast<double>(k) / 20.0;
     Parameters<Quad> q{};
@@ -285,7 +288,7 @@ TEST_CASE("the exponential of two masses agrees with their modes where the dampi
     Square<Quad> expected{};
     for (const auto& mode : modes) {
       const Quad square = a * mode[0] * mode[0] + Quad(2) * f * mode[0] * mode[1] + d * mode[1] * mode[1];
-      // As one mass with b w, in the time w t.
+      // Like one mass with b w, in the time w t.
       const Quad w = root(square);
       Parameters<Quad> single{};
       single[B] = q[B] * w;
@@ -323,7 +326,7 @@ TEST_CASE("one impact in each turn of two stops and two masses agrees with its c
         CHECK(point.error < 1e-18);
         if (point.kind == Kind::BP) {
           ++breakings;
-          // The symmetric orbit has a multiplier +1 of half its period with the sign that mirrors: its square is 1.
+          // The half-period map has a multiplier +1. With the sign of the mirror image it is -1, and its square is 1.
           CHECK(static_cast<double>(magnitude(characteristic(monodromy(one.frame, point.orbit), Quad(-1)))) < 1e-18);
         }
         if (point.kind != Kind::LP) continue;
@@ -337,7 +340,7 @@ TEST_CASE("one impact in each turn of two stops and two masses agrees with its c
   CHECK(breakings > 1);
 }
 
-TEST_CASE("the checker of the random tester finds a doubled branch that is none") {
+TEST_CASE("the checker of the random tester rejects a wrong doubled branch") {
   int doubled_families = 0;
   for (std::uint64_t k = 0; k < 120 && doubled_families < 5; ++k) {
     const Case one = random_case(13, k);
@@ -363,7 +366,7 @@ TEST_CASE("the checker of the random tester finds a doubled branch that is none"
     wrong = right;
     for (AnswerPoint& point : wrong.branches[1].points) point.impacts += 1;
     CHECK_FALSE(check(one, wrong).complaints.empty());
-    // The parent's own orbits, as if doubled.
+    // The parent's own orbits, in place of doubled ones.
     wrong = right;
     wrong.branches[1].points.clear();
     for (AnswerPoint point : right.branches[0].points) {
@@ -463,14 +466,14 @@ TEST_CASE("continuation of random orbits of two stops and two masses agrees with
   }
 }
 
-TEST_CASE("random orbits of two stops and two masses that the program once got wrong are right") {
+TEST_CASE("random orbits of two stops and two masses that once failed are right") {
   struct Shown {
     Model model;
     std::uint64_t seed, index;
   };
   const std::vector<Shown> all = {
-      // A pair of multipliers crosses the unit circle and becomes real within one step, in which it meets a fold or a doubling
-      // too.
+      // A pair of multipliers crosses the unit circle and becomes real within one step, which also contains a fold or a
+      // doubling.
       {Model::chain_second, 3, 21},
       {Model::chain_second, 3, 68},
       {Model::chain_between, 11, 11},
@@ -478,17 +481,17 @@ TEST_CASE("random orbits of two stops and two masses that the program once got w
       {Model::chain_between, 21, 97},
       // An impact is lost where a free maximum touches the other stop: the orbit could not be carried through.
       {Model::equal_stops, 11, 33},
-      // Without its impact the orbit has half the period: the touch in the other turn was met as an impact.
+      // Without its impact the orbit has half the period: the touch in the other turn was counted as an impact.
       {Model::chain_first, 21, 48},
       // Both stops are touched at once where an impact is gained.
       {Model::equal_stops, 21, 53},
       {Model::equal_stops, 21, 82},
-      // The steps of the general integrator are more than rounding.
+      // The steps of the general integrator are larger than rounding.
       {Model::two_stops, 11, 41},
       {Model::chain_second, 11, 11},
       // Newton's last step at a branch point is not taken.
       {Model::equal_stops, 11, 41},
-      // Folds of one value, each the mirror image of the other (the checker's own fault).
+      // Folds of equal values, mirror images of each other (a fault of the checker itself).
       {Model::equal_stops, 21, 84},
   };
   for (const Shown& one : all) {
@@ -509,7 +512,7 @@ TEST_CASE("random orbits of two stops and two masses that the program once got w
   }
 }
 
-TEST_CASE("the scenario of a grazing is told where the impact is lost in one of two turns that touch") {
+TEST_CASE("the scenario of a grazing is decided if the impact is lost in one of two turns that touch") {
   Plan plan;
   plan.model = Model::equal_stops;
   plan.program = GRAZE_PROGRAM;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers of the reference: double to follow a family, Quad (113 bits, libquadmath) to locate its points. Their functions have
-// names of their own, for in ISO mode std:: has none for Quad.
+// separate names, because in ISO mode std:: has none for Quad.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace graze::reference {
 
 __extension__ typedef __float128 Quad;
 
-// Of libquadmath. Its header lies among those of g++ alone, where other compilers (and clang-tidy) do not look.
+// From libquadmath. Only g++ ships its header; other compilers (and clang-tidy) do not find it.
 extern "C" {
 Quad sinq(Quad x) noexcept;
 Quad cosq(Quad x) noexcept;
@@ -64,7 +64,7 @@ template <class Real> Table<Real> operator*(const Table<Real>& A, const Table<Re
   return out;
 }
 
-/// Gaussian elimination with row pivoting: solves A x = y in place and returns det A. y is left alone if A is singular.
+/// Gaussian elimination with row pivoting: solves A x = y in place and returns det A. y is unchanged if A is singular.
 template <class Real> Real solve(Table<Real> A, Values<Real>& y) {
   const std::size_t n = A.rows;
   Real determinant(1);

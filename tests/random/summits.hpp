@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Interior maxima of an orbit's flights towards each stop: the orbit is admissible if all of them lie below it. Each flight is
-// sampled densely for changes of sign of the speed towards a stop (the forced part is carried on by a rotation, the transient by
-// its exponential), and each change is polished by Newton's method. A maximum beyond a stop is the only way through it, for a
-// flight ends moving towards the stop that it meets, and no system here can be at two stops at once.
+// Interior maxima of the flights of an orbit towards each stop: the orbit is admissible if all of them lie below it. Each
+// flight is sampled densely for sign changes of the speed towards a stop (the forced part by a rotation, the transient by its
+// exponential), and Newton's method polishes each change. Every passage through a stop has a maximum beyond it: a flight ends
+// with its motion towards the stop that it meets, and no system here can be at two stops at once.
 #pragma once
 
 #include "impact_equations.hpp"
@@ -11,16 +11,16 @@
 
 namespace graze::reference {
 
-/// Sampling distance in time, of the faster of the two motions.
+/// Sampling distance in time, for the faster of the two motions.
 inline constexpr double summit_sampling = 0.03;
 
 template <class Real> struct Summit {
   std::size_t leg = 0, stop = 0;
-  Real time{};    ///< after the leg's start
-  Real height{};  ///< over the stop
+  Real time{};    ///< after the start of the leg
+  Real height{};  ///< above the stop
 };
 
-/// Newton's method from a time nearby.
+/// Newton's method from a nearby time.
 template <class Real> Summit<Real> polished_summit(const Frame& frame, const Values<Real>& y, const Summit<Real>& guess) {
   const Leg<Real> here = leg(frame, y, guess.leg);
   const Stop<Real>& stop = here.system.stops[guess.stop];
@@ -72,7 +72,8 @@ inline double gap(const Frame& frame, const Values<double>& y) {
   return all.empty() ? -1.0 : all.front().height;
 }
 
-/// Acceleration just after the impact that presses most: without rebound the mass sticks where it is not negative.
+/// Acceleration just after the impact with the largest contact force: without rebound the mass sticks where it is not
+/// negative.
 inline double pressing(const Frame& frame, const Values<double>& y) {
   double most = -1e300;
   for (std::size_t i = 0; i < frame.legs(); ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// x'' = -g above a floor at x = floor, speed -> -k_r speed there, at rest on it in the end. State (x, x'); parameters g, floor,
-// k_r. Dropped from height H above the floor it comes to rest after sqrt(2 H/g) (1 + k_r)/(1 - k_r).
+// x'' = -g above a floor at x = floor. An impact there gives speed -> -k_r speed; finally the ball rests on the floor. State
+// (x, x'); parameters g, floor, k_r. Dropped from height H above the floor it comes to rest after sqrt(2 H/g) (1 + k_r)/(1 -
+// k_r).
 #pragma once
 
 #include "support/rigid_stop.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Looking at branches in tests.
+// Helpers for tests of branches.
 #pragma once
 
 #include <graze/continuation/graph/continuation.hpp>
@@ -17,7 +17,7 @@ inline std::vector<SpecialPoint> points_of(const Branch& branch, PointType type)
   return list;
 }
 
-/// Types of the special points in the order met, ends left out: "PD LP".
+/// Types of the special points in the order of the branch, without its ends: "PD LP".
 inline std::string types_of(const Branch& branch) {
   std::string text;
   for (const SpecialPoint& point : branch.special_points) {

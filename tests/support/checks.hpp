@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Derivative checks of whole systems, all through graze::check_jacobian. Each returns the sentences of what disagrees; a test
-// requires that there are none:   REQUIRE_THAT(check_mode(...), all_agree());
+// Derivative checks of whole systems, all through graze::check_jacobian. Each check returns one sentence per disagreement. A
+// test requires an empty list:   REQUIRE_THAT(check_mode(...), all_agree());
 #pragma once
 
 #include <graze/lib/motion/transition.hpp>
@@ -17,7 +17,7 @@ namespace graze::support {
 
 using Violations = std::vector<std::string>;
 
-/// Matches an empty list and prints the sentences of one that is not.
+/// Matches an empty list; otherwise prints its sentences.
 class AllAgree : public Catch::MatcherBase<Violations> {
  public:
   bool match(const Violations& list) const override { return list.empty(); }
@@ -44,8 +44,8 @@ inline Vector parameters(const HybridSystem& system, const std::vector<std::pair
   return p;
 }
 
-/// Fields and their values are sums of a few smooth terms: with a step of 2e-4 the extrapolated differences err by rounding,
-/// 1e-16 |f| / 2e-4, and by h^4 d5f/dx5 / 120, each below 1e-10 for |f| and derivatives up to 100.
+/// Fields and their values are sums of a few smooth terms. With a step of 2e-4 the extrapolated differences have a rounding
+/// error of 1e-16 |f| / 2e-4 and a truncation error of h^4 d5f/dx5 / 120, each below 1e-10 for |f| and derivatives up to 100.
 inline constexpr double field_step = 2e-4, field_tolerance = 1e-9;
 
 inline void compare(Violations& list, const std::string& what, const std::function<Vector(const Vector&)>& f, const Vector& at,
@@ -91,7 +91,7 @@ inline Violations check_mode(const HybridSystem& system, std::size_t mode, doubl
     const auto coefficients = [&](const Vector& z) {
       const ModeStructure there = m.structure(z);
       const auto* q = std::get_if<LinearOscillator>(&there);
-      // Where it is not linear any more (beta != 0) the derivative is not asked for.
+      // The structure is no longer linear for beta != 0, and its derivative is then not requested.
       return q ? vector({q->damping, q->stiffness, q->amplitude, q->frequency, q->constant})
                : vector({linear->damping, linear->stiffness, linear->amplitude, linear->frequency, linear->constant});
     };
@@ -153,7 +153,7 @@ inline Violations check_event(const HybridSystem& system, std::size_t index, dou
 }
 
 /// Phi and Psi (every parameter) of the motion from (t0, x0) to t1, events included, against differences of the motion itself.
-/// The differences must stay on the same sequence of events: choose x0, and p inside its range, accordingly.
+/// The differences must keep the same sequence of events: choose x0, and p inside its range, accordingly.
 inline Violations check_transition(const HybridSystem& system, const Vector& p, double t0, double t1, const Vector& x0,
                                    double tolerance, double step = 1e-4, const FlowOptions& options = {}) {
   Violations list;

@@ -96,7 +96,8 @@ inline long double value(const equations::Graph& graph, equations::Expression e,
   return std::nanl("");
 }
 
-/// Smooth expressions in 2 states, 2 parameters and the time, defined and of moderate size wherever these lie in (0.2, 1.2).
+/// Smooth expressions in 2 states, 2 parameters and time. They are defined and of moderate size if all of these lie in (0.2,
+/// 1.2).
 class RandomExpressions {
  public:
   RandomExpressions(equations::Graph& graph, unsigned seed) : graph_(graph), engine_(seed) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// An integrator that shares nothing with the library: Gragg-Bulirsch-Stoer extrapolation of the modified midpoint rule in
-// long double (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9), for smooth right-hand sides. It runs
+// An integrator that shares no code with the library: Gragg-Bulirsch-Stoer extrapolation of the modified midpoint rule in long
+// double (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9), for smooth right-hand sides. It runs
 // forwards or backwards in time.
 #pragma once
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// To first order, which orbits begin where a periodic orbit of a hard oscillator touches the barrier once in its period (one
-// degree of freedom): an oracle by linear algebra alone.
+// Predicts, to first order, the orbits that begin where a periodic orbit of a hard oscillator touches the barrier once in its
+// period (one degree of freedom). A reference by linear algebra alone.
 //
-// M is the linear map of the deviation (x, x') over one turn, from touch to touch. A weak impact of speed v adds the kick
-// (0, -(1 + k_r) v). Of m turns those with an impact are the set I. With R_k the deviation in x, k turns after a kick of unit
-// speed, of the orbit that closes after m turns,
-//     R_k = first of M^k z,  k = 1 ... m,   z = (1 - M^m)^{-1} (0, -(1 + k_r)),
-// the free maxima of the turns lie at h_i = d + sum_{j in I} R_{i - j} v_j above the barrier, where d is that of the orbit
-// without any impact. In the turns of I the maximum touches to first order (h_i = 0, its excess is the square of the speed),
-// elsewhere it must stay below: v_j > 0 in I, h_i < 0 in the others. d > 0: the family exists beyond the grazing; d < 0: on the
-// near side.
+// M is the linear map of the deviation (x, x') over one turn, from touch to touch. A weak impact of speed v adds the kick (0,
+// -(1 + k_r) v). I is the set of those of the m turns that have an impact. Consider the orbit that closes after m turns with a
+// single kick of unit speed. R_k is its deviation in x, k turns after the kick:
+//     R_k = first of M^k z,  k = 1 ... m,   z = (1 - M^m)^{-1} (0, -(1 + k_r)).
+// The free maxima of the turns lie at h_i = d + sum_{j in I} R_{i - j} v_j above the barrier; d is the value for the orbit
+// without any impact. In the turns of I the maximum touches to first order (h_i = 0; its excess is the square of the speed).
+// In all other turns it must stay below the barrier. The conditions are therefore v_j > 0 in I and h_i < 0 elsewhere. d > 0:
+// the family exists beyond the grazing; d < 0: on the near side.
 #pragma once
 
 #include <Eigen/LU>
@@ -52,7 +52,7 @@ inline int side_of_family(const Eigen::Matrix2d& M, double k_r, int turns, const
   return 0;
 }
 
-/// The same of the family with the impact in the first `struck` of the turns.
+/// The same for the family with the impact in the first `struck` turns.
 inline int side_of_family(const Eigen::Matrix2d& M, double k_r, int turns, int struck) {
   std::vector<int> list;
   for (int i = 0; i < struck; ++i) list.push_back(i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Motions in lanes against the same motions one by one.
+// Motions in lanes, against the same motions one by one.
 #pragma once
 
 #include "support/checks.hpp"
@@ -30,8 +30,9 @@ struct Difference {
   int impacts = 0, other_endings = 0;
 };
 
-/// Largest differences from the Propagator, period by period from the lanes' own states. That of the state is relative to
-/// 1 + |Phi|; that of the tangent to its square, since an error of the entry's speed is magnified twice.
+/// Largest differences from the Propagator; each period starts from the state in the lanes. The difference of the state is
+/// relative to 1 + |Phi|. That of the tangent is relative to its square, because an error of the entry speed is amplified
+/// twice.
 inline Difference compare(const HybridSystem& system, const std::vector<Vector>& sets, const std::vector<MotionStart>& starts,
                           std::size_t periods, const std::vector<PeriodResult>& results, const FlowOptions& options = {}) {
   Difference worst;
@@ -48,7 +49,7 @@ inline Difference compare(const HybridSystem& system, const std::vector<Vector>&
         const PeriodResult& many = results[m * periods + k];
         const Vector x = k == 0 ? vector({starts[m].x, starts[m].v})
                                 : vector({results[m * periods + k - 1].x, results[m * periods + k - 1].v});
-        // Keeping the events takes the path over flights and impacts, which is the lanes' oracle.
+        // With the events kept, the Propagator carries flight by flight, which is the reference for the lanes.
         carry(propagator, 0.0, T, x, {.sensitivity = Sensitivity::state, .keep_events = true}, one);
         worst.other_endings += one.termination != many.termination ? 1 : 0;
         if (many.termination != Termination::time || one.termination != Termination::time) break;
@@ -68,7 +69,7 @@ inline Difference compare(const HybridSystem& system, const std::vector<Vector>&
   return worst;
 }
 
-/// That motions beginning next to grazing meet the barrier as the Propagator finds, and not too few of them.
+/// Checks that motions from near grazing have the impacts of the Propagator, and that enough of them have some.
 inline void check_near_grazing(const HybridSystem& system, const std::vector<Vector>& sets,
                                const std::vector<MotionStart>& starts, std::size_t periods) {
   LaneCarrier many(system);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What computations in a pool ask for, and what each comes to alone.
+// The requests of computations in a pool, and the results of each alone.
 #pragma once
 
 #include <graze/lib/tasks/task_pool.hpp>
@@ -11,7 +11,7 @@
 
 namespace graze::support {
 
-/// What a computation asks for: so many periods, `step` at a time, with the tangent every other time or not at all.
+/// A request: a number of periods, `step` at a time, with the tangent every other time or not at all.
 struct Plan {
   std::size_t periods, step;
   bool tangent;

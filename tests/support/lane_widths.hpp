@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which lanes give the same to the last bit.
+// Lane widths with identical bits.
 #pragma once
 
 #include <graze/lib/motion/lane_carrier.hpp>
@@ -8,7 +8,7 @@
 
 namespace graze::support {
 
-/// As the processor does it, and without fused multiply-add.
+/// Those with the processor's fused multiply-add, and those without.
 inline const std::vector<LaneWidth> widths_of_processor = {LaneWidth::one, LaneWidth::two, LaneWidth::four, LaneWidth::eight,
                                                            LaneWidth::widest};
 inline const std::vector<LaneWidth> plain_widths = {LaneWidth::plain_one, LaneWidth::plain_two};

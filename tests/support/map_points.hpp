@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Layers of maps, and points that should be the same.
+// Layers of maps, and the comparison of points.
 #pragma once
 
 #include <graze/floquet/follow/parameter_map.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Any map x -> g(x, lambda) as a hybrid system: nothing moves but for one reset per forcing period, at forcing phase 1
-// (a second event, at phase 1 + pi, arms it again: a guard that stays at zero and rises would fire for ever). Its stroboscopic
-// map is g itself, its monodromy matrix D_x g: oracles for everything that can happen to a fixed point, in as many dimensions as
-// wanted. Parameters: omega (forcing frequency, 1) and lambda.
+// Any map x -> g(x, lambda) as a hybrid system: the state is constant except for one reset per forcing period, at forcing
+// phase 1. (A second event, at phase 1 + pi, arms it again: a guard that stays at zero and rises would fire forever.) Its
+// stroboscopic map is g itself, and its monodromy matrix is D_x g. It is a reference for every bifurcation of a fixed point,
+// in any dimension. Parameters: omega (forcing frequency, 1) and lambda.
 #pragma once
 
 #include <graze/lib/system/hybrid_system.hpp>

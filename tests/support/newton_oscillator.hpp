@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The library's system whose orbits with one impact have a closed form (one_impact_orbit.hpp), and its parameters.
+// The oscillator whose orbits with one impact have a closed form (one_impact_orbit.hpp), and its parameters.
 #pragma once
 
 #include <graze/lib/models/oscillator.hpp>

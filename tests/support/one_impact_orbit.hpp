@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closed form of the periodic orbits of the linear oscillator with Newton's law (beta = 0) that strike the barrier once in n
-// forcing periods: the orbits of given parameters, and their family in the forcing amplitude with its fold and its grazing. An
-// oracle that shares nothing with the library: no integration, no event location, no Newton's method.
+// Closed form of the periodic orbits of the linear oscillator with Newton's law (beta = 0) that hit the barrier once in n
+// forcing periods. It gives the orbits at given parameters, and their family in the forcing amplitude with its fold and its
+// grazing. This reference shares no code with the library: no integration, no event location, no Newton's method.
 //
 //     x'' + 2 b x' + x = xi cos(eta t),  x <= r,  x'+ = -k_r x'-       dimensionless
 //
-// With P(t) = A cos(eta t) + B sin(eta t) the impactless motion and (d, e) = (r - P, u - P') the deviation from it just after the
-// impact (at time t0, arriving with speed v > 0, leaving with u = -k_r v), n periods later P is the same and the flight obeys
+// P(t) = A cos(eta t) + B sin(eta t) is the impactless motion. (d, e) = (r - P, u - P') is the deviation from it just after
+// the impact at time t0; v > 0 is the approach speed, u = -k_r v the speed after. After n periods P is the same, and the
+// flight gives
 //     Phi(nT) (d, e) = (d, e + v - u)   ->   (d, e) = (1 + k_r) v (Phi - I)^{-1} (0, 1) = v (alpha, beta):  linear in v.
-// Then P(t0) = r - alpha v, P'(t0) = -(k_r + beta) v, and P^2 + (P'/eta)^2 = A^2 + B^2 is a quadratic for v; the phase of impact
-// follows from P and P'. Up to two orbits, born in a fold (discriminant 0), grazing at v = 0 where the amplitude equals |r|.
-// Read the other way, the amplitude is a function of v, its square a parabola: at the vertex the fold in xi.
+// Then P(t0) = r - alpha v, P'(t0) = -(k_r + beta) v, and P^2 + (P'/eta)^2 = A^2 + B^2 is a quadratic for v. The phase of
+// impact follows from P and P'. There are up to two orbits. They are born in a fold (discriminant 0) and graze at v = 0, where
+// the amplitude equals |r|. Conversely, the amplitude is a function of v, and its square a parabola with the fold in xi at its
+// vertex.
 //     M = S Phi(nT),   S = [[-k_r, 0], [(a+ + k_r a-)/v, -k_r]],   a+- = xi cos(eta t0) - 2 b x'+- - r:
 //     trace M = -k_r trace Phi + (a+ + k_r a-)/v Phi_12,   det M = k_r^2 exp(-2 b n T)     give the multipliers.
-// Every r (0 and below too), every k_r in [0, 1], 0 <= b < 1. With k_r = 0 the mass must be pulled off the barrier (`leaves`),
-// or it would stick.
+// Valid for every r (including 0 and below), every k_r in [0, 1], 0 <= b < 1. With k_r = 0 the mass must be pulled off the
+// barrier (`leaves`); otherwise it would stick.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -41,7 +43,7 @@ struct OneImpactOrbit {
   double speed = 0.0;                               ///< v, of approach
   double time = 0.0;                                ///< t0 of the impact, in [0, T)
   std::array<std::complex<double>, 2> multipliers;  ///< by decreasing modulus
-  double highest = 0.0;                             ///< largest interior maximum of the flight, minus r; -infinity: it has none
+  double highest = 0.0;                             ///< largest interior maximum of the flight, minus r; -infinity: none
   bool leaves = false;                              ///< it leaves the barrier after the impact
   bool admissible() const { return leaves && highest < 0.0; }
   bool stable() const { return std::abs(multipliers[0]) < 1.0; }
@@ -87,14 +89,14 @@ inline std::vector<Vector> OneImpactOrbit::states() const {
   return list;
 }
 
-/// All orbits with one impact in n forcing periods that differ in nothing but v and xi.
+/// All orbits with one impact in n forcing periods that differ only in v and xi.
 struct OneImpactFamily {
   double r = 0.0, alpha = 0.0, slope = 0.0;  ///< P(t0) = r - alpha v, P'(t0) / eta = -slope v
   double gain = 0.0;                         ///< amplitude of the impactless motion per unit of xi
   double turn = 0.0;                         ///< sqrt(1 - b^2) n T
   double amplitude(double v) const { return std::hypot(r - alpha * v, slope * v); }
   double xi(double v) const { return amplitude(v) / gain; }
-  /// Of least xi; there is a fold in xi if it is positive.
+  /// Speed at the smallest xi; there is a fold in xi if it is positive.
   double fold_speed() const { return r * alpha / (alpha * alpha + slope * slope); }
   double xi_fold() const { return xi(fold_speed()); }
   double xi_grazing() const { return xi(0.0); }
@@ -108,7 +110,7 @@ inline OneImpactFamily one_impact_family(const OneImpactParameters& q, int n) {
   return {q.r, w[0], (q.k_r + w[1]) / q.eta, gain, std::sqrt(1.0 - q.b * q.b) * nT};
 }
 
-/// The orbit that strikes with speed v at parameters for which there is one (see OneImpactFamily).
+/// The orbit with impact speed v, at parameters for which it exists (see OneImpactFamily).
 inline OneImpactOrbit one_impact_orbit(const OneImpactParameters& q, int n, double v) {
   const double T = q.period();
   const Eigen::Matrix2d Phi = detail::flight_transition(q.b, n * T);
@@ -118,7 +120,7 @@ inline OneImpactOrbit one_impact_orbit(const OneImpactParameters& q, int n, doub
   orbit.parameters = q;
   orbit.n = n;
   orbit.speed = v;
-  // P = A cos + B sin and P'/eta = B cos - A sin: the phase is that of (A, B) less that of (P, -P'/eta).
+  // P = A cos + B sin and P'/eta = B cos - A sin: the phase is that of (A, B) minus that of (P, -P'/eta).
   const Eigen::Vector2d at_zero = detail::impactless(q, 0.0);
   const double phase = std::atan2(at_zero[1] / q.eta, at_zero[0]) - std::atan2(-slope * v, q.r - alpha * v);
   orbit.time = std::fmod(phase / q.eta, T);
@@ -134,7 +136,8 @@ inline OneImpactOrbit one_impact_orbit(const OneImpactParameters& q, int n, doub
     orbit.multipliers = {large, large == 0.0 ? 0.0 : det / large};
   }
   orbit.leaves = q.k_r * v > 0.0 || after < 0.0;
-  // A flight that passes the barrier has a maximum beyond it: samples at a 2000th of a period, then Newton on the speed.
+  // A flight that passes the barrier has a maximum beyond it: samples at a 2000th of a period, then Newton's method on the
+  // speed.
   const int samples = 2000 * n;
   orbit.highest = -std::numeric_limits<double>::infinity();
   for (int i = 1; i < samples; ++i) {
@@ -151,7 +154,7 @@ inline OneImpactOrbit one_impact_orbit(const OneImpactParameters& q, int n, doub
   return orbit;
 }
 
-/// The orbits with one impact in n forcing periods, none to two of them, the faster first. Inadmissible ones are among them.
+/// The orbits with one impact in n forcing periods: none, one or two, the faster one first. They include inadmissible ones.
 inline std::vector<OneImpactOrbit> one_impact_orbits(const OneImpactParameters& q, int n) {
   const double amplitude = impactless_amplitude(q);
   const OneImpactFamily family = one_impact_family(q, n);

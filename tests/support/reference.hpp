@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The independent figures of data/reference.toml (quadruple precision; how they were computed is said there): orbits, special
-// points and derivatives along families, each with the system it belongs to. States are those at forcing phase 0 with the
-// largest x; some of them lie inside the contact.
+// The independent figures of data/reference.toml (quadruple precision; that file describes the computation): orbits, special
+// points and derivatives along families, each with its system. States are those at forcing phase 0 with the largest x; some of
+// them lie inside the contact.
 #pragma once
 
 #include <graze/lib/models/oscillator.hpp>
@@ -73,7 +73,7 @@ inline ReferenceOrbit read_orbit(const toml::table& table) {
 
 }  // namespace detail
 
-/// All orbits, the special points among them.
+/// All orbits, including those of the special points.
 inline const std::vector<ReferenceOrbit>& reference_orbits() {
   static const std::vector<ReferenceOrbit> list = [] {
     std::vector<ReferenceOrbit> orbits;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A relay with hysteresis around a third-order lag: x1' = a (x2 - x1), x2' = a (x3 - x2), x3' = a (u - x3), u = -gain in mode
-// "down" until x1 falls to -w, u = +gain in mode "up" until x1 rises to w. State (x1, x2, x3); parameters a, gain, w.
-// Symmetric limit cycle: over half its period x goes into -x, so that x(0) = (I + e^{A h})^{-1} (integral of e^{A s} B u ds).
+// A relay with hysteresis and a third-order lag: x1' = a (x2 - x1), x2' = a (x3 - x2), x3' = a (u - x3). In mode "down" u =
+// -gain until x1 falls to -w, in mode "up" u = +gain until x1 rises to w. State (x1, x2, x3); parameters a, gain, w. Symmetric
+// limit cycle: half a period maps x to -x, so that x(0) = (I + e^{A h})^{-1} (integral of e^{A s} B u ds).
 #pragma once
 
 #include "support/rigid_stop.hpp"

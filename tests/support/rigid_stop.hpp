@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the systems of the tests are made of: dimensionless parameters and rigid stops with Newton's law. The systems themselves
-// (two_mass_oscillator.hpp, two_sided_oscillator.hpp, ...) are not the one-barrier oscillator: nothing in the library may be
-// written for two states, one barrier or a forcing. All are dimensionless; all derivatives are by hand and checked in
-// tests/lib/other_systems.cpp.
+// Parts of the test systems: dimensionless parameters, and rigid stops with Newton's law. These systems
+// (two_mass_oscillator.hpp, two_sided_oscillator.hpp, ...) differ from the one-barrier oscillator, because the library must
+// not be limited to two states, one barrier or a forcing. All are dimensionless. All derivatives are written by hand and
+// checked in tests/lib/other_systems.cpp.
 #pragma once
 
 #include <graze/lib/system/hybrid_system.hpp>
@@ -21,7 +21,8 @@ inline ParameterInfo parameter(std::string name, double value, double lower = -i
   return {std::move(name), value, lower, upper, open, "dimensionless", ""};
 }
 
-/// Guard and reset of x[position]'s rigid stop at p[level], approached with sign * speed > 0: speed -> -p[restitution] speed.
+/// Guard and reset of the rigid stop of x[position] at p[level], approached with sign * speed > 0: speed -> -p[restitution]
+/// speed.
 inline Event rigid_stop(std::string name, Eigen::Index position, std::size_t level, std::size_t restitution, double sign) {
   const Eigen::Index speed = position + 1, wall = static_cast<Eigen::Index>(level), k_r = static_cast<Eigen::Index>(restitution);
   Event event;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One step of the explicit Runge-Kutta pair RK8(7)13M of Prince & Dormand (J. Comput. Appl. Math. 7 (1981) 67, table 2) for an
-// autonomous system of N equations known at compile time: no allocation, no indirection. Twelve new evaluations a step (the first
-// stage is handed in).
+// autonomous system of N equations known at compile time: no allocation, no indirection. Twelve new evaluations a step (the
+// caller supplies the first stage).
 #pragma once
 
 #include <array>

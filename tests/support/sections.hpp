@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Smooth autonomous systems whose returns are the crossings of a plane, state[k] = 0 from below. The plane parts two modes of the
-// same field.
+// Smooth autonomous systems with a section: the crossings of the plane state[k] = 0 from below. The plane separates two modes
+// of the same field.
 #pragma once
 
 #include <graze/lib/system/hybrid_system.hpp>
@@ -60,7 +60,7 @@ inline ParameterInfo with_default(const char* name, double value) {
 }
 }  // namespace detail
 
-/// x' = v, v' = mu (1 - x^2) v - x, seen where x rises through 0.
+/// x' = v, v' = mu (1 - x^2) v - x, with the section x = 0, x increasing.
 inline HybridSystem van_der_pol() {
   SmoothField smooth;
   smooth.name = "van-der-pol";
@@ -74,7 +74,8 @@ inline HybridSystem van_der_pol() {
   return with_section(smooth, 0);
 }
 
-/// x' = -y - z, y' = x + a y, z' = b + z (x - c) (Roessler, Phys. Lett. A 57 (1976) 397), seen where y rises through 0.
+/// x' = -y - z, y' = x + a y, z' = b + z (x - c) (Roessler, Phys. Lett. A 57 (1976) 397), with the section y = 0, y
+/// increasing.
 inline HybridSystem roessler() {
   SmoothField smooth;
   smooth.name = "roessler";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Systems as text for tests: every piece stands on a line of its own of one source "system.toml", so that places can be told.
+// Systems as text for tests. Each piece is on a separate line of one source "system.toml", so that error places can be tested.
 #pragma once
 
 #include <graze/lib/equations/system_text.hpp>
@@ -136,7 +136,7 @@ inline void write_parameters(SystemWriter& writer, const OscillatorKind& kind, c
   for (const ParameterInfo& info : law.parameters) writer.parameter(info);
 }
 
-/// The sentence of the mistake in a text; "none" if there is none.
+/// The message of the mistake in a text; "none" if there is none.
 inline std::string mistake(const equations::SystemText& text) {
   try {
     equations::make_system(text);
@@ -151,7 +151,7 @@ inline double distance(const Matrix& a, const Matrix& b) {
   return (a - b).lpNorm<Eigen::Infinity>() / (1.0 + a.lpNorm<Eigen::Infinity>());
 }
 
-/// The value of a function that may be empty: zero.
+/// The value of a function; an empty function has the value zero.
 inline Vector evaluate(const VectorFunction& f, double t, const Vector& x, const Vector& p, Eigen::Index size) {
   Vector out = Vector::Zero(size);
   if (f) f(t, x, p, out);
@@ -163,7 +163,7 @@ inline Matrix evaluate(const MatrixFunction& f, double t, const Vector& x, const
   return out;
 }
 
-/// A built-in oscillator (make_oscillator) as a person would write it.
+/// A built-in oscillator (make_oscillator) as a user would write it.
 inline equations::SystemText oscillator_text(const OscillatorKind& kind, const ContactLaw& law) {
   SystemWriter writer;
   writer.states({"x", "v"});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // x1'' + 2 b x1' + x1 + kappa (x1 - x2) = xi cos(eta t),  mu x2'' + 2 b x2' + x2 + kappa (x2 - x1) = 0,  x1 <= r1, x2 <= r2.
-// State (x1, x1', x2, x2'); parameters b, kappa, mu, xi, eta, r1, r2, k_r. With mu = 1 and both masses started alike without
-// forcing they move as one, and strike at the same instant if r1 = r2.
+// State (x1, x1', x2, x2'); parameters b, kappa, mu, xi, eta, r1, r2, k_r. With mu = 1, equal starts and no forcing the masses
+// move as one, and have impacts at the same instant if r1 = r2.
 #pragma once
 
 #include "support/rigid_stop.hpp"

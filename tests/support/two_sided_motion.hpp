@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The motion of two_sided_oscillator(false) in long double, sharing nothing with the library: closed-form pieces between elastic
+// The motion of two_sided_oscillator(false) in long double, without code of the library: closed-form pieces between elastic
 // stops at -r and +r,
 //     x'' + 2 b x' + K x = xi cos(eta t) + side k_S r,   K = 1 + k_S beyond a stop (side = +-1), 1 between them (side = 0),
-// joined where |x| = r. Steps of a 2000th of the period, their ends and their extremes of x compared with the stops (no contact
-// is too weak to be seen), then bisection. The multipliers of a period's map are those of central differences.
+// joined where |x| = r. Steps of a 2000th of the period are compared with the stops, at their ends and at their extremes of x,
+// so that no contact is too weak to be found. Bisection follows. Central differences give the multipliers of the period map.
 #pragma once
 
 #include <array>
@@ -38,7 +38,7 @@ struct TwoSidedMotion {
   State map(State z, int periods = 1) const {
     const int steps = 2000;
     const Long h = period() / steps;
-    // Inside its region the piece's gap is positive; on the border it belongs to where the speed points.
+    // Inside its region the gap of the piece is positive. On the border the direction of the speed decides.
     int side = z[0] > r ? 1 : z[0] < -r ? -1 : 0;
     for (int i = 0; i < periods * steps; ++i) {
       Long t = h * i, left = h;
@@ -47,7 +47,7 @@ struct TwoSidedMotion {
         const State end = piece(side, t, z, left);
         Long outside = left;
         bool crosses = gap(end) < 0.0L;
-        if (!crosses && end[1] * z[1] < 0.0L) {  // an extreme on the way, perhaps beyond the border
+        if (!crosses && end[1] * z[1] < 0.0L) {  // an extreme inside the step, perhaps beyond the border
           Long low = 0.0L, high = left;
           for (int k = 0; k < 70; ++k) {
             const Long middle = (low + high) / 2.0L;
@@ -69,7 +69,7 @@ struct TwoSidedMotion {
         t += high;
         left -= high;
         side = side != 0 ? 0 : z[0] > 0.0L ? 1 : -1;
-        // On the border, and a step inside whatever rounding says.
+        // On the border, and the step inside, regardless of rounding.
         z[0] = std::copysign(r, z[0]);
       }
     }
@@ -81,7 +81,7 @@ struct TwoSidedMotion {
     Long trace() const { return m11 + m22; }
     Long det() const { return m11 * m22 - m12 * m21; }
   };
-  /// Rounding 1e-18 / 1e-8, and the second derivative's kinks at weak contacts times 1e-8.
+  /// Rounding 1e-18 / 1e-8, and the kinks of the second derivative at weak contacts times 1e-8.
   Tangent tangent(const State& z, int periods = 1) const {
     const Long h = 1e-8L;
     const State a = map({z[0] + h, z[1]}, periods), c = map({z[0] - h, z[1]}, periods);
@@ -89,7 +89,7 @@ struct TwoSidedMotion {
     return {(a[0] - c[0]) / (2.0L * h), (d[0] - e[0]) / (2.0L * h), (a[1] - c[1]) / (2.0L * h), (d[1] - e[1]) / (2.0L * h)};
   }
 
-  /// Newton to the periodic orbit near z; the last correction is left in `error`.
+  /// Newton's method for the periodic orbit near z; `error` returns the last correction.
   State orbit(State z, int periods, Long& error) const {
     for (int i = 0; i < 8; ++i) {
       const State image = map(z, periods);

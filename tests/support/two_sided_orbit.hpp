@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The symmetric orbit of two_sided_oscillator(true) with one impact at each barrier per forcing period, in closed form, and the
-// forcing frequency of its pitchfork (symmetry-breaking branch point). In long double; it shares nothing with the library.
+// The symmetric orbit of two_sided_oscillator(true) with one impact at each barrier per forcing period, in closed form, and
+// the forcing frequency of its pitchfork (symmetry-breaking branch point). In long double, without code of the library.
 //
-// Upper impact at phase theta with speed v, leaving with -k_r v; half a period later the lower one with speed -v. With the flight
-// z(t) = z_p(t) + Phi (z(t0) - z_p(t0)) and z_p(t + T/2) = -z_p(t) this is
+// The upper impact is at phase theta with speed v, leaving with -k_r v; half a period later the lower one has speed -v. With
+// the flight z(t) = z_p(t) + Phi (z(t0) - z_p(t0)) and z_p(t + T/2) = -z_p(t) this gives
 //     (I + Phi) z_p(theta) = (r, v) + Phi (r, -k_r v),     |z_p| on the ellipse of the forced motion: a quadratic for v.
-// Half a period followed by the reflection x -> -x maps the orbit's section into itself with matrix -Phi S; a multiplier -1 of
-// it, 1 + trace + det = 0, is the pitchfork.
+// Half a period followed by the reflection x -> -x maps the section of the orbit to itself with matrix -Phi S. A multiplier -1
+// of this matrix, 1 + trace + det = 0, is the pitchfork.
 #pragma once
 
 #include <cmath>
@@ -16,14 +16,14 @@
 namespace graze::support {
 
 struct TwoSidedOrbit {
-  long double theta = 0, v = 0;    ///< eta times the instant of the upper impact, in (-pi, pi]; speed before it
+  long double theta = 0, v = 0;    ///< eta times the time of the upper impact, in (-pi, pi]; speed before it
   long double trace = 0, det = 0;  ///< of the half-period map -Phi S
   long double x = 0, x_dot = 0;    ///< state at phase 0
   /// Zero at the pitchfork.
   long double pitchfork() const { return 1 + trace + det; }
 };
 
-/// `branch`: +1 for the larger speed, -1 for the smaller; nullopt where there is none with v > 0.
+/// `branch`: +1 for the larger speed, -1 for the smaller; nullopt if no orbit with v > 0 exists.
 inline std::optional<TwoSidedOrbit> two_sided_orbit(long double b, long double xi, long double eta, long double r,
                                                     long double k_r, int branch = 1) {
   using Long = long double;
@@ -58,7 +58,7 @@ inline std::optional<TwoSidedOrbit> two_sided_orbit(long double b, long double x
   const Long s21 = (acceleration(-k_r * orbit.v) + k_r * acceleration(orbit.v)) / orbit.v;
   orbit.trace = -(p11 * -k_r + p12 * s21 + p22 * -k_r);
   orbit.det = k_r * k_r * std::exp(-2 * b * half);
-  // On to phase 0, where the period begins: before the upper impact (theta > 0) the flight comes from the lower one, mirrored.
+  // To phase 0, where the period begins: before the upper impact (theta > 0) the flight starts at the lower one, mirrored.
   const bool after_upper = orbit.theta <= 0;
   const Long t = after_upper ? -orbit.theta / eta : half - orbit.theta / eta, sign = after_upper ? 1 : -1;
   const Long from = after_upper ? orbit.theta : orbit.theta - std::numbers::pi_v<Long>;

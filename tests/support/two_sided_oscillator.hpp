@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// x'' + 2 b x' + x + F(x) = xi cos(eta t) between barriers at -r and +r: rigid (x'+ = -k_r x'-) or elastic
-// (F = k_S (|x| - r) sign x beyond them). State (x, x'); parameters b, xi, eta, r, then k_r (rigid) or k_S (elastic).
-// Symmetric under (x, t) -> (-x, t + T/2): symmetric orbits of period 1 lose their symmetry in pitchforks (BP), never in PD.
-// The guard of the barrier at -r is not a level of a parameter, so that the general flow carries the motion.
+// x'' + 2 b x' + x + F(x) = xi cos(eta t) between barriers at -r and +r: rigid (x'+ = -k_r x'-) or elastic (F = k_S (|x| - r)
+// sign x beyond them). State (x, x'); parameters b, xi, eta, r, then k_r (rigid) or k_S (elastic). Symmetric under (x, t) ->
+// (-x, t + T/2): symmetric orbits of period 1 lose their symmetry in pitchforks (BP), never in PD. The guard of the barrier at
+// -r is not a level given by a parameter, so that the general flow carries the motion.
 #pragma once
 
 #include "support/rigid_stop.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // x'' - mu (1 - x^2) x' + x = 0 with a rigid stop x <= r. State (x, x'); parameters mu, r, k_r. For 0 < r < 2 the limit cycle
-// strikes the stop once a turn; it has one trivial multiplier.
+// hits the stop once per cycle; it has one trivial multiplier.
 #pragma once
 
 #include "support/rigid_stop.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Boost.odeint's Dormand-Prince pair of order 5(4) with dense output, in which events are located. The state at an event is then
-// a plain step from the start of the step, corrected once by Newton's method: the interpolant's order 4 would spoil it.
+// Boost.odeint's Dormand-Prince pair of order 5(4). Events are located in its dense output. The state at an event is then a
+// plain step from the start of the step, corrected once by Newton's method: the interpolant of order 4 would lose accuracy.
 #pragma once
 
 #include "oscillator.hpp"
@@ -26,7 +26,7 @@ template <class Field> class BoostDopri5Of {
     for (int steps = 0; steps < 100000; ++steps) {
       const auto [t_before, t_after] = dense_.do_step(system);
       h_kept = dense_.current_time_step();
-      // Not past the end: whatever happens there is not this run's.
+      // Not past the end: events beyond it do not belong to this run.
       const double t0 = t_before, h = std::min(t_after, t_end) - t0;
       const State<N>& before = dense_.previous_state();
       State<N> z = dense_.current_state();

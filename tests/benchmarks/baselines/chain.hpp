@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A chain of m equal masses, each on its own spring and tied to the next, the first one forced and before a rigid stop:
-//     x_i'' + 2 b x_i' + x_i + kappa sum over its neighbours (x_i - x_j) = [i = 1] xi cos(eta t),   x_1 <= r,
-// written by hand as the other baselines are, with what they are carried by. State: (x_1, x_1', x_2, x_2', ...), and if asked for
-// the sensitivity Phi to it by columns.
+// A chain of m equal masses, each on its own spring and coupled to the next. The first one is forced and in front of a rigid
+// stop:
+//     x_i'' + 2 b x_i' + x_i + kappa sum over its neighbours (x_i - x_j) = [i = 1] xi cos(eta t),   x_1 <= r.
+// Written by hand like the other baselines, with its integration loop. State: (x_1, x_1', x_2, x_2', ...), and on request the
+// sensitivity Phi by columns.
 #pragma once
 
 #include "oscillator.hpp"
@@ -17,7 +18,7 @@ template <std::size_t masses, bool sensitivity> struct ChainField {
   Parameters p;
   bool in_contact = false;  ///< never: a rigid stop
 
-  /// Field without forcing, of the motion and of each column of Phi.
+  /// Field without forcing, for the motion and for each column of Phi.
   void pull(const double* u, double* du) const {
     for (std::size_t i = 0; i < masses; ++i) {
       const double here = u[2 * i];
@@ -35,8 +36,8 @@ template <std::size_t masses, bool sensitivity> struct ChainField {
   double direction() const { return 1.0; }
 };
 
-/// x_1' -> -k_r x_1' at the stop, and the columns of Phi by its saltation matrix: only the first mass is struck, and its speed
-/// enters no other acceleration, so that all but two rows are those of the identity.
+/// x_1' -> -k_r x_1' at the stop, and the columns of Phi by its saltation matrix. Only the first mass has an impact, and its
+/// speed enters no other acceleration. All rows but two are therefore those of the identity.
 template <std::size_t masses> void strike(const ChainParameters<masses>& p, double t, State<ChainField<masses, true>::size>& u) {
   using Field = ChainField<masses, true>;
   const double v = u[1], w = -p.k_r * v;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SUNDIALS CVODE with its own root finding: Adams methods, Newton iteration with a dense Jacobian (that of the motion itself;
-// what the sensitivity depends on it is left out, as the iteration does without). Of Adams and BDF, each with Newton or
-// fixed-point iteration, this was the fastest at 1e-10: BDF of order 5 took two to three times the steps. Every event restarts it
-// at order 1, which is what costs it most. Watch::located: the guard's speed is a second root function, so that the run stops at
-// every maximum, where a crossing just before it is seen.
+// SUNDIALS CVODE with its own root finding: Adams methods, Newton iteration with a dense Jacobian. (The Jacobian is that of
+// the motion; its coupling to the sensitivity is left out, because the iteration converges without it.) Of Adams and BDF, each
+// with Newton or fixed-point iteration, this was the fastest at 1e-10: BDF of order 5 took two to three times the steps. Every
+// event restarts CVODE at order 1, which is its largest cost. Watch::located: the speed of the guard is a second root
+// function, so that the run stops at every maximum and detects a crossing just before it.
 #pragma once
 
 #include "oscillator.hpp"
@@ -51,7 +51,7 @@ template <Law law, std::size_t N> class Cvode {
 
   Stretch carry(bool in_contact, double t, double t_end, State<N>& u) {
     field_.in_contact = in_contact;
-    if (t_end - t < 1e-14 * (1.0 + t)) return {t_end, false, false};  // CVODE takes no such step
+    if (t_end - t < 1e-14 * (1.0 + t)) return {t_end, false, false};  // CVODE refuses such a step
     const double sign = field_.direction(), r = field_.p.r, t_start = t;
     std::copy(u.begin(), u.end(), NV_DATA_S(y_));
     CVodeReInit(memory_, t, y_);
@@ -63,7 +63,7 @@ template <Law law, std::size_t N> class Cvode {
       if (flag != CV_ROOT_RETURN) break;
       int found[2] = {0, 0};
       CVodeGetRootInfo(memory_, found);
-      if (found[0] == 0) {  // a maximum: beyond the guard, it was crossed in this step
+      if (found[0] == 0) {  // a maximum: if it lies beyond the guard, the crossing was in this step
         if (sign * (NV_Ith_S(y_, 0) - r) <= 0.0) continue;
         double t_now = 0.0, h = 0.0;
         CVodeGetCurrentTime(memory_, &t_now);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// GSL's Prince-Dormand pair of order 8(7) with GSL's own step control. It has no dense output: the motion inside a step is a
-// partial step of the same method, of the state alone while the root is sought, of everything once it is found.
+// GSL's Prince-Dormand pair of order 8(7) with GSL's own step control. It has no dense output. The motion inside a step is a
+// partial step of the same method, for the state alone during the root search and for all variables at the root.
 #pragma once
 
 #include "oscillator.hpp"
@@ -12,7 +12,7 @@
 
 namespace baselines {
 
-/// Whole: the field of everything that is carried; Motion: of the state alone, by which the whole begins.
+/// Whole: the field of all variables; Motion: the field of the state alone, which is the first part of the whole.
 template <class Whole, class Motion> class GslRk8pdOf {
   static constexpr std::size_t N = Whole::size, motion = Motion::size;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the baselines integrate, written by hand for each law and inlined (nothing type-erased): the oscillator
+// The equations of the baselines, written by hand for each law and inlined (nothing type-erased): the oscillator
 //     x'' + 2 b x' + x + beta x^3 + F(x, x') = xi cos(eta t),    barrier at x = r,
-// with its 2x2 variational equations, the saltation matrix of the rigid stop, and the loop from one event to the next. Shares no
-// code with graze. State: (x, x') if N = 2, (x, x', Phi by columns) if N = 6.
+// with its 2x2 variational equations, the saltation matrix of the rigid stop, and the loop from one event to the next. Shares
+// no code with graze. State: (x, x') if N = 2, (x, x', Phi by columns) if N = 6.
 #pragma once
 
 #include <algorithm>
@@ -19,13 +19,13 @@ struct Parameters {
 };
 
 enum class Law { hertz, newton };
-/// located: an event is looked for where the guard's sign changes over a step, and where its speed does (a maximum inside the
-/// step). sign_only: the former alone, as a first program does it.
+/// located: an event is searched where the guard changes its sign over a step, and where its speed does (a maximum inside the
+/// step). sign_only: only the former, as in a simple program.
 enum class Watch { located, sign_only };
 
 template <std::size_t N> using State = std::array<double, N>;
 
-/// The field of free flight or of contact. Beyond its end (x < r, met by trial steps) contact goes on without force.
+/// The field of free flight or of contact. Beyond its end (x < r, in trial steps) contact continues without force.
 template <Law law, std::size_t N> struct Field {
   static constexpr std::size_t size = N;
   using Parameters = baselines::Parameters;
@@ -58,11 +58,11 @@ template <Law law, std::size_t N> struct Field {
       du[5] = a_x * u[4] + a_v * u[5];
     }
   }
-  /// +1: the barrier is met rising, -1: left falling. Events are upward zeros of direction() (x - r).
+  /// +1: events at the barrier are rising, -1: falling. Events are upward zeros of direction() (x - r).
   double direction() const { return in_contact ? -1.0 : 1.0; }
 };
 
-/// A guard and its rate at an instant of a step.
+/// A guard and its rate at a time within a step.
 struct Guard {
   double value, rate;
 };
@@ -86,7 +86,7 @@ template <class At> double zero(At&& at, double lo, double hi, double guess, boo
 /// both describe the motion inside the step. a and b: the guard at its ends; a.value = 0 exactly where the step leaves a guard.
 template <class GuardAt, class SpeedAt>
 double crossing(Watch watch, const Guard& a, const Guard& b, double h, GuardAt&& guard, SpeedAt&& speed) {
-  if (a.value == 0.0 && a.rate < 0.0) {  // it has just left the guard: is it back, if only for a while?
+  if (a.value == 0.0 && a.rate < 0.0) {  // it has just left the guard: does it return within the step?
     if (watch == Watch::sign_only && b.value <= 0.0) return -1.0;
     for (int i = 1; i <= 8; ++i) {
       const double s = h * i / 8.0;
@@ -98,7 +98,7 @@ double crossing(Watch watch, const Guard& a, const Guard& b, double h, GuardAt&&
   }
   if (a.value > 0.0) return -1.0;
   if (b.value > 0.0) return zero(guard, 0.0, h, h * a.value / (a.value - b.value));
-  // A maximum inside, which cannot lie higher than where the tangents at the ends meet.
+  // A maximum inside. It cannot lie higher than the intersection of the tangents at the ends.
   if (watch == Watch::sign_only || !(a.rate > 0.0 && b.rate < 0.0)) return -1.0;
   if (a.value * b.rate - b.value * a.rate + h * a.rate * b.rate > 0.0) return -1.0;
   const double top = zero(speed, 0.0, h, h * a.rate / (a.rate - b.rate), true);
