@@ -137,7 +137,9 @@ SettleOptions settling(const Problem& problem, const StartOptions& options, Prog
 
 Settled settle_down(const Problem& problem, const StartOptions& options, const Console& console) {
   Progress progress(console.err, console.quiet, "settling");
-  return settle(problem.system, problem.parameters, start_state(problem, options), settling(problem, options, progress));
+  SettleOptions transient = settling(problem, options, progress);
+  transient.max_period = 0;  // the period does not matter, and the motion need not last longer than it is asked to
+  return settle(problem.system, problem.parameters, start_state(problem, options), transient);
 }
 
 namespace {

@@ -181,6 +181,7 @@ TEST_CASE("a branch reports sticking orbits and so does its picture") {
   const Json smooth = json_of({"continue", problem("newton-elastic"), "--from", "0.95", "--to", "0.94"});
   for (const Json& point : smooth["branches"][0]["points"]) CHECK(!point.contains("sticking"));
   CHECK(call({"plot", folder.file("b.json"), "-o", folder.file("b.svg")}).code == 0);
+  CHECK_THAT(read_file(folder.file("b.svg")), Contains("\u221e/1"));
 }
 
 TEST_CASE("continue gives a table row for each point") {
@@ -208,6 +209,9 @@ TEST_CASE("locate reports the points that it met if there is none of the request
   const Outcome outcome = call({"locate", problem("hertz-damped"), "--type", "NS", "--near", "0.94", "--reach", "0.005"});
   CHECK(outcome.code == 1);
   CHECK_THAT(outcome.err, Contains("no NS"));
+  const Outcome beside = call({"locate", problem("hertz-damped"), "--type", "NS", "--near", "0.92", "--reach", "0.005"});
+  CHECK(beside.code == 1);
+  CHECK_THAT(beside.err, Contains("no NS") && Contains("PD at 0.919542643"));
 }
 
 TEST_CASE("verify agrees for a correct orbit") {

@@ -13,7 +13,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -179,9 +178,7 @@ TEST_CASE("very many points are drawn as an image and none is lost") {
   line.paint({.size = 1.0, .points = {{-1.0, 0.5, 0.0}, {1e9, 0.5, 0.0}, {std::nan(""), 0.0, 0.0}, {0.5, 0.9, 0.0}}});
   CHECK(line.painted() == 801);
   picture.curves.push_back(std::move(dots));
-  const auto begin = std::chrono::steady_clock::now();
   CHECK(draw(picture, "png").substr(1, 3) == "PNG");
-  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));  // measured: 1 s
 }
 
 TEST_CASE("clouds of dots keep their order where one of them is an image and larger dots are larger there") {

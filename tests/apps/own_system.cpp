@@ -162,8 +162,13 @@ TEST_CASE("the system on README's first page gives its resonance curve") {
   CHECK(grazing["type"] == "GR");
   CHECK(std::abs(grazing["y"]["max(x)"].get<double>() - 0.6) < 1e-12);
   const Json& after = curve["branches"][1];
-  for (const Json& point : after["special_points"])
-    if (point["type"] == "LP") CHECK(std::abs(point["multipliers"][0][0].get<double>() - 1.0) < 1e-6);
+  int folds = 0;
+  for (const Json& point : after["special_points"]) {
+    if (point["type"] != "LP") continue;
+    ++folds;
+    CHECK(std::abs(point["multipliers"][0][0].get<double>() - 1.0) < 1e-6);
+  }
+  CHECK(folds == 1);
   // Away from the grazing all orbits of the second branch reach the stop, and move to the other side by less than two strokes.
   for (const Json& point : after["points"]) {
     CHECK(std::abs(point["y"]["max(x)"].get<double>() - 0.6) < 1e-9);
@@ -341,7 +346,7 @@ when = "r - x"
     return std::nan("");
   };
   CHECK(std::abs(doubling(text) - 0.919542643087348) < 1e-13);
-  CHECK(std::abs(doubling(text) - doubling(built_in)) < 1e-15);
+  CHECK(doubling(text) == doubling(built_in));
   CHECK(text["branches"][0]["points"] == built_in["branches"][0]["points"]);
 }
 
@@ -407,7 +412,7 @@ TEST_CASE("a system of four states runs in every command") {
       {"orbit"},
       {"continue", "--to", "0.92"},
       {"lyapunov", "--periods", "2000"},
-      {"sweep", "--from", "0.9", "--to", "0.92", "--step", "0.01"},
+      {"sweep", "--from", "0.9", "--to", "0.92", "--step", "0.01", "--periods", "300"},
       {"attractors", "--random", "12", "--plane", "x2,v2", "--start", "x1=0.1"},
       {"map", "--param", "omega:0.9:0.92:2", "--param", "A:0.25:0.3:2"},
       {"verify"},
@@ -433,15 +438,20 @@ TEST_CASE("a system of four states runs in every command") {
 }
 
 TEST_CASE("every shipped model has an orbit or an attractor with correct derivatives") {
+  int compared = 0;
   for (const std::string& name : shipped_models()) {
     INFO(name);
     const Json json = result("orbit", model(name));
     CHECK(json["status"] == "done");
     CHECK(json["orbit"]["admissible"] == true);
     const Json& difference = json["orbit"]["checks"]["finite_difference"];
-    if (difference.is_number()) CHECK(difference.get<double>() < 1e-6);
+    if (difference.is_number()) {  // an orbit next to an event has no differences
+      CHECK(difference.get<double>() < 1e-6);
+      ++compared;
+    }
     CHECK(json["orbit"]["checks"]["residual"].get<double>() < 1e-12);
   }
+  CHECK(compared + 3 >= static_cast<int>(shipped_models().size()));
 }
 
 TEST_CASE("states are given by name or by position") {

@@ -100,8 +100,13 @@ TEST_CASE("the impacts of a chattering series shrink by the coefficient of resti
   const PeriodicOrbit orbit = sticking_orbit(0.5);
   REQUIRE(orbit.converged());
   CHECK(orbit.impacts >= 10);
-  for (const EventRecord& event : orbit.events)
-    if (event.kind == EventKind::impact) CHECK(event.exit_speed == Approx(0.5 * event.normal_speed).epsilon(1e-12));
+  int impacts = 0;
+  for (const EventRecord& event : orbit.events) {
+    if (event.kind != EventKind::impact) continue;
+    CHECK(event.exit_speed == Approx(0.5 * event.normal_speed).epsilon(1e-12));
+    ++impacts;
+  }
+  CHECK(impacts >= 9);
 }
 
 TEST_CASE("the search finds a sticking orbit once") {

@@ -125,8 +125,13 @@ TEST_CASE("an impact within a split mode leads to the branch behind it") {
   const equations::TextSystem read = equations::make_system(writer.system);
   const HybridSystem& system = read.system;
   REQUIRE(system.modes.size() == 2);
-  for (const Event& event : system.events)
-    if (event.name == "wall") REQUIRE(event.to == 1 - event.from);
+  int walls = 0;
+  for (const Event& event : system.events) {
+    if (event.name != "wall") continue;
+    REQUIRE(event.to == 1 - event.from);
+    ++walls;
+  }
+  REQUIRE(walls == 2);
   const Vector p = parameters(system, {{"xi", 1.7}}), x0 = vector({0.2, 1.1});
   const Trajectory run = simulate(system, p, 0.0, x0, {.t_end = 10.0});
   REQUIRE(run.termination == Termination::time);

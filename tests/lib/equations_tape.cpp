@@ -64,7 +64,8 @@ TEST_CASE("a tape computes each common part once, sine and cosine together, and 
 }
 
 TEST_CASE("integer powers are products and contact powers vanish outside their contact") {
-  for (int n = -9; n <= 9; ++n) REQUIRE(integer_power(1.7, n) == Approx(std::pow(1.7, n)).epsilon(1e-15));
+  // Nine products, each rounded once.
+  for (int n = -9; n <= 9; ++n) REQUIRE(integer_power(1.7, n) == Approx(std::pow(1.7, n)).epsilon(2e-15));
   REQUIRE(integer_power(-3.0, 3) == -27.0);
   REQUIRE(contact_power(-0.1, 1.5) == 0.0);
   REQUIRE(contact_power(0.0, 0.5) == 0.0);

@@ -188,7 +188,7 @@ TEST_CASE("a guard that rises above zero and falls again within one step is dete
       {[](double x) { return (x - 0.3) * (x - 0.4) * (x - 2.0); },
        [](double x) { return (x - 0.4) * (x - 2.0) + (x - 0.3) * (x - 2.0) + (x - 0.3) * (x - 0.4); }, 0.3},
       // falling at the start, up through 0.7, down through 0.9
-      {[](double x) { return -(x + 0.5) * (x - 0.7) * (x - 0.9) - 0.0; },
+      {[](double x) { return -(x + 0.5) * (x - 0.7) * (x - 0.9); },
        [](double x) { return -((x - 0.7) * (x - 0.9) + (x + 0.5) * (x - 0.9) + (x + 0.5) * (x - 0.7)); }, 0.7},
       // two maxima within the step
       {[](double x) { return std::sin(4.0 * pi * x) - 0.9999; }, [](double x) { return 4.0 * pi * std::cos(4.0 * pi * x); },
