@@ -7,7 +7,7 @@ namespace graze::apps {
 
 namespace {
 
-constexpr std::size_t digits = 8;  // of a chunk's number
+constexpr std::size_t digits = 8;  // of the number of a chunk
 
 constexpr std::string_view plain = "PF", numbered = "CD", single = "NEWHB";
 

@@ -32,7 +32,7 @@ constexpr const char* no_message = "what came from rank {} is no message of a ma
 class Master {
  public:
   Master(MapStore& store, const Json& head, Ranks& ranks, int threads, const Console& console)
-      : store_(store), ranks_(ranks), todo_(store.missing()), lanes_(store.plan(), store.fingerprint(), threads),
+      : store_(store), ranks_(ranks), todo_(store.missing()), threads_(store.plan(), store.fingerprint(), threads),
         quiet_for_(static_cast<std::size_t>(ranks.count()), 0.0), progress_(console.err, console.quiet, "mapping") {
     Json plan = head;
     plan["chunk_rows"] = store.plan().chunk_rows;
@@ -60,10 +60,10 @@ class Master {
       listen(std::chrono::duration<double>(now - last).count());
       last = now;
       report();
-      if (!busy) lanes_.wait(nap);
+      if (!busy) threads_.wait(nap);
     }
     if (out_.message.empty()) out_.status = Status::done;
-    lanes_.stop();
+    threads_.stop();
     return out_;
   }
 
@@ -85,15 +85,15 @@ class Master {
       if (!wanting_.empty()) {
         ranks_.send(wanting_.front(), map_message('C', todo_[next_++]));
         wanting_.pop_front();
-      } else if (lanes_.wants_more()) {
-        lanes_.give(todo_[next_++]);
+      } else if (threads_.wants_more()) {
+        threads_.give(todo_[next_++]);
       } else {
         return;
       }
     }
     if (closed_) return;
     closed_ = true;
-    lanes_.close();
+    threads_.close();
     for (int rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, "N");
   }
 
@@ -101,7 +101,7 @@ class Master {
   bool take_finished() {
     bool any = false;
     try {
-      for (; const auto chunk = lanes_.take(); any = true) keep(chunk->number, chunk->bytes);
+      for (; const auto chunk = threads_.take(); any = true) keep(chunk->number, chunk->bytes);
     } catch (const std::runtime_error& error) {
       fail(error.what());
     }
@@ -160,7 +160,7 @@ class Master {
     // A single process counts points; for other ranks only the finished chunks are known.
     const double before = points * (chunks - static_cast<double>(todo_.size())) / chunks;
     const double share =
-        ranks_.count() > 1 ? static_cast<double>(finished) / chunks : (before + static_cast<double>(lanes_.points())) / points;
+        ranks_.count() > 1 ? static_cast<double>(finished) / chunks : (before + static_cast<double>(threads_.points())) / points;
     progress_.update(share, [&] { return fmt::format("{} of {} chunks, {:.0f} points in all", finished, chunks, points); });
   }
 
@@ -168,7 +168,7 @@ class Master {
   Ranks& ranks_;
   std::vector<int> todo_;
   std::size_t next_ = 0;
-  MapThreads lanes_;
+  MapThreads threads_;
   std::deque<int> wanting_;
   std::vector<double> quiet_for_;
   Progress progress_;
@@ -182,15 +182,15 @@ class Helper {
  public:
   Helper(Ranks& ranks, const Json& head, int threads) : ranks_(ranks), plan_(plan_of(head)) {
     plan_.chunk_rows = head.at("chunk_rows");
-    lanes_.emplace(plan_, head.at("fingerprint").get<std::uint64_t>(), threads);
+    threads_.emplace(plan_, head.at("fingerprint").get<std::uint64_t>(), threads);
   }
 
   /// Runs until rank 0 sends the end.
   void run() {
     Clock::time_point last_sign = Clock::now();
-    for (bool told = false, asked = false;;) {
-      while (auto chunk = lanes_->take()) ranks_.send(0, map_message('D', chunk->number, chunk->bytes));
-      if (!asked && lanes_->wants_more()) {
+    for (bool reported = false, asked = false;;) {
+      while (auto chunk = threads_->take()) ranks_.send(0, map_message('D', chunk->number, chunk->bytes));
+      if (!asked && threads_->wants_more()) {
         asked = true;
         ranks_.send(0, "W");
       }
@@ -199,27 +199,27 @@ class Helper {
         if (!message || message->number >= plan_.chunks()) throw std::invalid_argument(fmt::format(no_message, heard->from));
         if (message->letter == 'E') return;
         if (message->letter == 'C') {
-          lanes_->give(message->number);
+          threads_->give(message->number);
           asked = false;
         }
-        if (message->letter == 'N') lanes_->close();
+        if (message->letter == 'N') threads_->close();
       }
-      if (interruptions() > 0 && !told) {  // rank 0 watches the time limit
-        told = true;
+      if (interruptions() > 0 && !reported) {  // rank 0 watches the time limit
+        reported = true;
         ranks_.send(0, "Fended by a signal");
       }
       if (Clock::now() - last_sign > heartbeat) {
         last_sign = Clock::now();
         ranks_.send(0, "H");
       }
-      lanes_->wait(nap);
+      threads_->wait(nap);
     }
   }
 
  private:
   Ranks& ranks_;
   MapPlan plan_;
-  std::optional<MapThreads> lanes_;
+  std::optional<MapThreads> threads_;
 };
 
 /// The first message from rank 0: the plan, or the end.

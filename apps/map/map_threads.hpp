@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MapLanes: the threads of one process that compute chunks of a map and store their bytes. They share the points of one chunk,
-// and go on to the next chunk while the last points of this one are still running.
+// MapThreads: the threads of one process that compute chunks of a map and store their bytes. They share the points of one
+// chunk, and go on to the next chunk while the last points of this one are still running.
 #pragma once
 
 #include <graze/apps/map/map_chunk.hpp>

@@ -52,8 +52,8 @@ struct ValueAt {
   double arclength, value;
 };
 
-/// Whether the parabola through the values of a test function at three consecutive points, the last two of one sign, passes zero
-/// twice in the last step, or comes so near to it that the function may.
+/// Whether a test function may pass zero twice in the last step. Criterion: the parabola through its values at three
+/// consecutive points, the last two of one sign, passes zero in that step or comes close to it.
 bool may_pass_zero_twice(const ValueAt& earlier, const ValueAt& before, const ValueAt& after) {
   constexpr double near = 0.1;  // of the value at the beginning of the step
   const double slope = (before.value - earlier.value) / (before.arclength - earlier.arclength);
@@ -194,7 +194,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
   if (releases_pinned(problem, point)) return Verdict::reject;
-  // Where a chatter becomes incomplete, infinitely many impacts separate, each with a grazing of its own.
+  // When a chatter becomes incomplete, infinitely many impacts separate, each with its own grazing.
   const bool sticks = point.isolated_impacts < point.impacts;
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
   const bool plastic = switches && is_plastic(system_, problem.equations().parameters());

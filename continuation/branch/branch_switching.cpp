@@ -287,8 +287,10 @@ void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& 
   };
   // The nearest orbit that lies clearly on one side of the grazing.
   const auto nearest = [&](auto first, auto last) -> const BranchPoint* {
-    const auto told = [&](const BranchPoint& point) { return std::abs(point.value - grazing.value) > 4.0 * grazing.precision; };
-    const auto found = std::find_if(first, last, told);
+    const auto is_distinct = [&](const BranchPoint& point) {
+      return std::abs(point.value - grazing.value) > 4.0 * grazing.precision;
+    };
+    const auto found = std::find_if(first, last, is_distinct);
     return found == last ? nullptr : &*found;
   };
   const BranchPoint* before = nearest(ended.points.rbegin(), ended.points.rend());

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BP: two branches cross; a multiplier passes +1 while the branch does not turn, or (on the branch that turns in a pitchfork) the
-// branch turns while a multiplier only touches +1. Test: det(M - I) with the sign of the parameter's component of the tangent,
-// which keeps its sign at a fold (both change) and changes it at a branch point: the sign of the determinant of the equations'
-// Jacobian bordered by the tangent.
+// BP, branch point: two branches cross. Either a multiplier passes +1 and the branch does not turn, or the branch turns and a
+// multiplier only touches +1 (the branch that turns in a pitchfork).
+//
+// Test function: det(M - I) times the sign of the parameter's component of the tangent. At a fold both factors change sign, so
+// that the product keeps its sign. At a branch point the product changes its sign. This is the sign of the determinant of the
+// equations' Jacobian bordered by the tangent.
 #include <graze/continuation/conditions/test_function.hpp>
 
 #include <graze/continuation/conditions/branch_point_condition.hpp>
@@ -18,16 +20,13 @@ TestFunction branch_point_test() {
   test.value = [](const TestPoint& point) {
     std::complex<double> product = 1.0;
     for (const auto& mu : nontrivial(point.branch.multipliers)) product *= (mu - 1.0) / (1.0 + std::abs(mu));
-    const double aligning_periods = point.curve.tangent[point.curve.tangent.size() - 1];
-    return std::copysign(product.real(), product.real() * aligning_periods);
+    const double parameter_component = point.curve.tangent[point.curve.tangent.size() - 1];
+    return std::copysign(product.real(), product.real() * parameter_component);
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
     if (stands_still(before, after)) return false;
-    const auto aligning_periods = [](const TestPoint& point) {
-      return point.curve.tangent[point.curve.tangent.size() - 1] > 0.0;
-    };
-    const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1,
-               turns = aligning_periods(before) != aligning_periods(after);
+    const auto goes_up = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1] > 0.0; };
+    const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1, turns = goes_up(before) != goes_up(after);
     return passes != turns;
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };

@@ -9,7 +9,8 @@ namespace graze {
 
 namespace {
 
-/// (H, g, w^T H_p) at u for fixed borders; empty where the equations cannot be evaluated.
+/// The residual (H + e b, g, w^T H_p) at u for fixed borders b and c, with the unfolding parameter e. Writes the null vector v
+/// to `null` unless it is null. Empty if the equations cannot be evaluated.
 Vector extended_residual(const ZeroProblem& problem, const Vector& u, double unfolding, const Vector& b, const Vector& c,
                          Vector* null) {
   Vector residual;
@@ -72,14 +73,14 @@ LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
   };
   Vector v(size + 2);
   v << start, 0.0;
-  // The differences by which the Jacobian is formed limit the accuracy.
+  // Looser tolerances than the default: the Jacobian is formed by finite differences, which limits the accuracy.
   located.newton = newton_to_rounding(v, linearise, {.acceptance = 1e-9, .shortest = 1e-13});
   located.u = v.head(size + 1);
   if (null.size() > 0) located.v = null.cast<std::complex<double>>();
   if (!located.newton.converged()) return located;
   const double unfolding = v[size + 1];
   if (!(std::abs(unfolding) < 1e-8)) located.newton.status = NewtonStatus::stalled;
-  // The last step is not taken: what is left of the error after it comes on top.
+  // Newton's method does not take its last step, so the length of that step estimates the remaining error.
   located.precision = std::abs(last_step) + 1e-13 * (1.0 + std::abs(located.u[size]));
   const Vector finer = extended_residual(problem.with_half_steps()->zero_problem(), located.u, unfolding, b, c, nullptr);
   if (finer.size() > 0) located.precision = std::max(located.precision, 2.0 * std::abs(row.dot(finer - F)));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LP: the branch turns in the parameter; a multiplier passes +1. Test: the parameter's component of the tangent. It also passes
-// zero where the branch is the one that turns in a pitchfork, which a multiplier only touches +1 in: that is a branch point.
+// LP, fold (limit point): the branch turns in the parameter, and a multiplier passes +1.
+//
+// Test function: the parameter's component of the tangent. It also passes zero on the branch that turns in a pitchfork. There a
+// multiplier only touches +1, and the point is a branch point.
 #include <graze/continuation/conditions/test_function.hpp>
 
 namespace graze {

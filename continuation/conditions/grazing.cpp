@@ -12,17 +12,17 @@ namespace {
 /// Rounding of one evaluation of the equations, relative to 1 + |x| (as for multipliers).
 constexpr double rounding = 1e-14;
 
-/// What a weak contact does besides an impulse, by carrying it out: the contact leads to another mode and back from there, or an
-/// event comes with the touch.
+/// Effect of a weak contact that is more than one reset, from simulating it: the contact leads to another mode and back, or
+/// another event coincides with the touch.
 struct Passage {
-  bool comes_back = false;
-  std::vector<std::size_t> events;  ///< of the contact
+  bool comes_back = false;          ///< the motion returns to the mode of the free motion
+  std::vector<std::size_t> events;  ///< events of the contact, in order
   Vector kick;                      ///< change of state per unit of speed
 };
 
-/// Whether another event of the mode than the contact falls on the touch: friction turns round where the speed vanishes.
+/// Whether another event of the mode coincides with the touch. (Friction reverses when the speed vanishes.)
 bool comes_with_event(OrbitProblem& problem, std::size_t contact, const Touch& touch) {
-  constexpr double same = 1e-6;  // as far as the touch is known
+  constexpr double same = 1e-6;  // accuracy to which the touch is known
   const HybridSystem& system = problem.system();
   const Vector p = problem.equations().parameters();
   Vector f(touch.x.size());
@@ -34,23 +34,25 @@ bool comes_with_event(OrbitProblem& problem, std::size_t contact, const Touch& t
   });
 }
 
-/// Whether `fired` is what the event leads to on some part of its guard (Event::otherwise).
+/// Whether `fired` is the event itself, or replaces it on a part of its guard (Event::otherwise).
 bool is_or_replaces(const HybridSystem& system, std::size_t fired, std::size_t event) {
   while (event != fired && system.events[event].otherwise) event = system.events[event].otherwise->event;
   return event == fired;
 }
 
-/// Carries the touching motion on, and one that meets the guard with `speed` where that one was at `speed` to the touch; both
-/// until they are in the same mode.
+/// Simulates two motions until they are in the same mode: the free motion from the touch, and a motion that hits the guard with
+/// `speed`. The second starts on the guard, at the time before the touch at which the guard function of the free motion grows
+/// at this speed.
 Passage passage_with(OrbitProblem& problem, std::size_t contact, const Touch& touch, const GuardAndRate& at, double curvature,
                      double speed) {
-  constexpr double longest = 1e3;          // times the time in which the speed vanishes
-  constexpr std::size_t most_events = 64;  // of a chatter, say
+  constexpr double longest = 1e3;          // in units of the time in which the free motion loses `speed`
+  constexpr std::size_t most_events = 64;  // enough for a short chatter
   Propagator& propagator = problem.equations().propagator();
   const double ahead = speed / -curvature;
   Vector f(touch.x.size());
   propagator.field(touch.mode, touch.t, touch.x, f);
-  // Off the guard by so little that it is not met, and does not show in the difference.
+  // Moves x along the guard's gradient to the level h. The free motion starts just below the guard: far enough not to meet it,
+  // and near enough not to change the difference of the two motions.
   const auto to_guard = [&](double t, const Vector& x, double h) {
     const double here = problem.system().events[contact].guard.value(t, x, problem.equations().parameters());
     return Vector(x + (h - here) / at.h_dx.squaredNorm() * at.h_dx);
@@ -59,7 +61,7 @@ Passage passage_with(OrbitProblem& problem, std::size_t contact, const Touch& to
                    touch.mode};
   HybridState struck{touch.t - ahead, to_guard(touch.t - ahead, touch.x - ahead * f, 0.0), touch.mode};
   Passage out;
-  // The events that come with the touch, and their saltation.
+  // The events that coincide with the touch, and the product of their saltation matrices.
   std::vector<std::size_t> of_touch;
   Matrix with_touch = Matrix::Identity(f.size(), f.size());
   const auto carry_on = [&](HybridState& state, double t, bool is_struck) {
@@ -84,20 +86,21 @@ Passage passage_with(OrbitProblem& problem, std::size_t contact, const Touch& to
   return out;
 }
 
-/// To first order in the speed.
+/// The passage in the limit of zero speed, by extrapolation from two speeds.
 Passage passage(OrbitProblem& problem, std::size_t contact, const Touch& touch, const GuardAndRate& at, double curvature) {
-  constexpr double speed = 1e-4, none = 1e-5;  // squares of the speed are left in the extrapolation
+  constexpr double speed = 1e-4, negligible = 1e-5;  // terms of second order in the speed remain after the extrapolation
   Passage fast = passage_with(problem, contact, touch, at, curvature, speed);
   const Passage slow = passage_with(problem, contact, touch, at, curvature, 0.5 * speed);
   fast.comes_back = fast.comes_back && slow.comes_back;
   if (!fast.comes_back) return fast;
   fast.kick = 2.0 * slow.kick - fast.kick;
-  if (fast.kick.lpNorm<Eigen::Infinity>() < none) fast.kick.setZero();
+  if (fast.kick.lpNorm<Eigen::Infinity>() < negligible) fast.kick.setZero();
   return fast;
 }
 
-/// The linear response of the periodic orbit to the weak impact's impulse, per unit of its speed: where the orbit with the impact
-/// lies.
+/// Computes the linear response of the periodic orbit to the impulse of the weak impact, per unit of its speed. It gives the
+/// side of the grazing on which the orbit with the impact exists. Sets `scenario`, all members after it, and
+/// `contact_events`.
 void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRate& at, const Matrix& jacobian,
              LocatedGrazing& located) {
   ShootingEquations& equations = problem.equations();
@@ -105,7 +108,8 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   const int n = problem.states(), j = guess.stretch;
   const Touch& touch = equations.stretch(j).touch;
   const Eigen::Index size = jacobian.rows();
-  // A state that keeps its value all along the orbit, as that of a body at rest may, stays as it is.
+  // The Jacobian is singular if a state keeps its value along the orbit (a body at rest). The least-norm solution leaves that
+  // state unchanged.
   const Matrix in_states = jacobian.leftCols(size);
   const bool neutral = !Eigen::FullPivLU<Matrix>(in_states).isInvertible();
   const OrbitLU<Matrix> lu(in_states);
@@ -116,8 +120,8 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   located.family_dp.resize(size + 1);
   located.family_dp << u_dp, 1.0;
   located.top_dp = at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi)) + at.h_dp;
-  // The reset changes a state that arrives with unit normal speed by (D_x g - I) w, where w is the direction of that speed.
-  // A soft contact is taken as the hard one that it becomes with its stiffness, which gives the speed back.
+  // The reset changes a state that arrives with unit normal speed by (D_x g - I) w, where w is the direction of that speed. A
+  // soft contact is replaced by its limit of large stiffness: a hard contact that reverses the normal speed.
   Matrix reset_dx = Matrix::Identity(n, n);
   if (!event.continuous && event.reset.map) event.reset.dx(touch.t, touch.x, equations.parameters(), reset_dx);
   const Vector w = at.rate_dx / at.rate_dx.squaredNorm();
@@ -130,7 +134,7 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
       located.contact_events = weak.events;
     }
   }
-  // Applied at the touch it arrives at the end of the stretch as the rest of the stretch's map carries it.
+  // Transition matrix from the touch to the end of the stretch, which carries the impulse there.
   const Matrix rest = touch.Phi.transpose().partialPivLu().solve(equations.stretch(j).Phi.transpose()).transpose();
   located.gradient = at.h_dx;
   located.kick = kick;
@@ -138,33 +142,33 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   for (int k = 1; k < problem.nodes(); ++k) located.round.push_back(equations.stretch((j + k) % problem.nodes()).Phi);
   located.round.push_back(touch.Phi);
   if (event.continuous) located.scenario = GrazingScenario::smooth;
-  if (located.touches > 1) return;  // what follows is the response to one impact alone
+  if (located.touches > 1) return;  // the rest describes the response to a single impact
   Vector right = Vector::Zero(size);
   right.segment(j * n, n) = -rest * kick;
   const Vector response = solve(right);
   located.impulse.resize(size + 1);
   located.impulse << response, 0.0;
   located.response = -at.h_dx.dot(touch.Phi * response.segment(j * n, n));
-  // An impulse along the motion, as that of an autonomous oscillator at its turning point, only shifts it in time.
-  constexpr double along = 1e-6;  // the kick of a passage is known no better
+  // An impulse along the motion only shifts the motion in time (an autonomous oscillator at its turning point).
+  constexpr double along = 1e-6;  // relative accuracy of the kick of a passage
   if (std::abs(located.response) < along * at.h_dx.norm() * kick.norm()) located.response = 0.0;
   if (event.continuous) return;
   if (std::isfinite(located.response) && located.response != 0.0)
     located.scenario = located.response > 0.0 ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold;
 }
 
-/// The events of a weak contact that goes in and out at once.
-std::vector<std::size_t> in_and_out(const HybridSystem& system, std::size_t event) {
+/// The events of a weak contact that begins and ends at one instant: {event} for an impact, {enter, leave} for a soft contact.
+std::vector<std::size_t> instantaneous_contact(const HybridSystem& system, std::size_t event) {
   const Event& in = system.events[event];
-  const auto softly = [](EventKind kind) { return kind == EventKind::enter || kind == EventKind::leave; };
+  const auto is_soft = [](EventKind kind) { return kind == EventKind::enter || kind == EventKind::leave; };
   const auto back = std::find_if(system.events.begin(), system.events.end(), [&](const Event& other) {
-    return softly(in.kind) && softly(other.kind) && other.from == in.to && other.to == in.from;
+    return is_soft(in.kind) && is_soft(other.kind) && other.from == in.to && other.to == in.from;
   });
   if (back == system.events.end()) return {event};
   return {event, static_cast<std::size_t>(back - system.events.begin())};
 }
 
-/// Events of speed zero at t.
+/// Appends the events of the contact to `events`, at time t and with speed zero.
 void add_contact(const HybridSystem& system, const std::vector<std::size_t>& of_contact, const Touch& touch, double t,
                  std::vector<EventRecord>& events) {
   for (const std::size_t event : of_contact) {
@@ -178,7 +182,7 @@ void add_contact(const HybridSystem& system, const std::vector<std::size_t>& of_
   }
 }
 
-/// Where a contact begins or ends.
+/// Whether a contact begins or ends with an event of this kind.
 bool may_be_touched(EventKind kind) { return begins_contact(kind) || kind == EventKind::leave; }
 
 }  // namespace
@@ -196,7 +200,7 @@ std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& 
   for (int j = 0; j < problem.nodes(); ++j) {
     const std::vector<EventRecord>& events = equations.stretch(j).events;
     for (std::size_t k = 0; k < events.size(); ++k) {
-      // A short flight between two soft contacts is one contact that all but loses touch: its grazing is met from inside.
+      // A short flight between two soft contacts is a single contact that nearly stays closed: it grazes from inside.
       const bool parted = events[k].kind == EventKind::leave && k + 1 < events.size() && events[k + 1].kind == EventKind::enter &&
                           system.events[events[k + 1].event].to == system.events[events[k].event].from;
       if (!begins_contact(events[k].kind) && !parted) continue;
@@ -205,7 +209,7 @@ std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& 
       guess.stretch = j;
       guess.events_before = k;
       guess.speed = events[k].normal_speed;
-      // A soft contact is left by an event of its own; its middle is the touch. What follows it bounds the time of resuming.
+      // A soft contact has an event at each end, and its middle is the touch. The event after the contact bounds t_resume.
       const bool soft = parted || system.events[guess.event].kind == EventKind::enter;
       const std::size_t after = k + (soft ? 2 : 1);
       const double left = soft && k + 1 < events.size() ? events[k + 1].t : events[k].t;
@@ -228,7 +232,8 @@ std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u)
 
 std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, double within) {
   constexpr int samples = 400;
-  constexpr double no_miss = 1e-5;  // a contact of less speed, less deep than events are located to, may as well be a miss
+  // A slower contact is shallower than the accuracy of events, and cannot be distinguished from a miss.
+  constexpr double no_miss = 1e-5;
   std::vector<GrazingGuess> list;
   if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return list;
   const HybridSystem& system = problem.system();
@@ -240,7 +245,7 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
     std::stable_sort(list.begin(), list.end(), [](const GrazingGuess& a, const GrazingGuess& b) { return a.gap < b.gap; });
     return list;
   };
-  // Below the guard of event e by so much, where the maximum lies on another event.
+  // The gap to the guard of event e if its maximum coincides with the event `met`.
   const auto gap_at_event = [&](std::size_t e, const EventRecord& met) -> std::optional<double> {
     constexpr double slow = 1e-6;  // the speed there, relative to 1 + |f|
     const Event &event = system.events[e], &other = system.events[met.event];
@@ -310,14 +315,16 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     for (const auto* others : {&together, &missed})
       for (const GrazingGuess& other : *others) of.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
   };
-  // Where another event comes with the touch this mode does not hold beyond it, and other guards are watched from there on. Then
-  // the orbit that misses the guard by so little that it is not met is looked for, and the rest of the way is linear.
+  // If another event coincides with the touch, the mode changes there, and other guards apply afterwards. Newton's method then
+  // looks for the orbit that stays below the guard by `miss`, just enough not to meet it. A linear step leads from there to the
+  // grazing.
   double miss = 0.0;
   const auto smallest_miss = [&] {
     return 4.0 * guard_tolerance * (1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>());
   };
   if (resume_after == 0.0) miss = smallest_miss();
-  // Error of the value by the steps of numerical flows: its change where they are half as long. `row`: of the inverse Jacobian.
+  // Error of the parameter's value by the steps of numerical flows: its change when the steps are halved. `row`: the
+  // parameter's row of the inverse Jacobian.
   const auto truncation = [&](const Vector& residual, const GuardAndRate& at, const Vector& row) {
     OrbitProblem finer = problem.in_half_steps();
     leave_out(finer.equations());
@@ -337,7 +344,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   Matrix jacobian;
   GuardAndRate at;
   double scale = 1.0, last_step = 0.0;
-  constexpr double near_touch = 1e-6;  // Newton's method has all but found it
+  constexpr double near_touch = 1e-6;  // step length below which Newton's method has nearly converged
   const auto linearise = [&](const Vector& v) -> std::optional<NewtonIterate> {
     located.u = v.head(unknowns);
     t = v[unknowns];
@@ -381,9 +388,9 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   t = v[unknowns];
   if (located.newton.converged()) {
     if (!(located.curvature < 0.0)) located.newton.status = NewtonStatus::stalled;
-    // Rounding is allowed ten times its scatter: a truncation error of less than half of that is within it.
+    // `rounding` is ten times the measured scatter. A truncation error below half of that is covered by it.
     located.precision = std::max(rounding * scale * row.lpNorm<1>(), 2.0 * truncation(residual, at, row));
-    const double left = std::abs(last_step);  // this step is not taken
+    const double left = std::abs(last_step);  // Newton's method does not take its last step
     if (left > located.precision) located.precision += left;
   }
   if (located.newton.converged()) analyse(problem, guess, at, jacobian, located);
@@ -407,7 +414,8 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     };
     located.t = orbit_time(j, t);
     const auto events_of = [&](std::size_t event) {
-      return event == guess.event && !located.contact_events.empty() ? located.contact_events : in_and_out(system, event);
+      return event == guess.event && !located.contact_events.empty() ? located.contact_events
+                                                                     : instantaneous_contact(system, event);
     };
     add_contact(system, events_of(guess.event), equations.stretch(j).touch, located.t, located.contacts);
     for (const GrazingGuess& other : together) {

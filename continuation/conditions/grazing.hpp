@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Grazing: an orbit that touches a barrier with zero speed. Located by Newton on the extended system (Donde & Hiskens, Int. J.
-// Bifurcation Chaos 16 (2006) 671)
-//     H(u) = 0,   h(t_g, x(t_g)) = 0,   dh/dt(t_g, x(t_g)) = 0          unknowns u (orbit and parameter) and t_g,
-// where the touching contact is left out: the motion is followed through the guard past t_g. The equations are then smooth, for
-// soft and for hard contacts alike, although the return map is not: the derivative of a hard one grows like 1/speed.
+// Grazing: an orbit that touches a barrier with zero speed. It is located by Newton's method on the extended system (Donde &
+// Hiskens, Int. J. Bifurcation Chaos 16 (2006) 671)
+//     H(u) = 0,   h(t_g, x(t_g)) = 0,   dh/dt(t_g, x(t_g)) = 0,
+// with the unknowns u (orbit and parameter) and t_g. The touching contact is left out: the motion passes through the guard and
+// continues past t_g. The equations are then smooth for soft and hard contacts. The return map of a hard contact is not smooth:
+// its derivative grows like 1/speed.
+//
+// All times, states and speeds are dimensionless.
 #pragma once
 
 #include <graze/continuation/problems/orbit_problem.hpp>
@@ -14,61 +17,67 @@
 
 namespace graze {
 
-/// Where an orbit (nearly) touches a guard.
+/// An instant at which an orbit touches a guard or nearly does, as a first guess for Newton's method.
 struct GrazingGuess {
-  std::size_t event = 0;          ///< whose guard
-  int stretch = 0;                ///< of the shooting equations
-  std::size_t events_before = 0;  ///< on that stretch
-  double t = 0.0;                 ///< in the stretch's own time
-  double t_resume = 0.0;          ///< guards are watched again from here
-  double speed = 0.0;             ///< of the weak contact; 0 where it is a near miss
-  double gap = 0.0;               ///< of the near miss, sampled; 0 where it is a contact
+  std::size_t event = 0;          ///< index in HybridSystem::events; its guard is touched
+  int stretch = 0;                ///< stretch of the shooting equations
+  std::size_t events_before = 0;  ///< number of events on that stretch before the touch
+  double t = 0.0;                 ///< of the touch, on the time axis of the stretch (ShootingEquations::node_time)
+  double t_resume = 0.0;          ///< guards are ignored until this time (LeftOutContact)
+  double speed = 0.0;             ///< normal speed of a weak contact; 0 for a near miss
+  double gap = 0.0;               ///< distance of a near miss from the guard, from samples; 0 for a contact
 };
 
-/// The weakest contact of the orbit at u, as a guess; empty if there is none.
+/// The weakest contact of the orbit at u, as a guess. Empty if there is none, or if the equations cannot be evaluated.
 std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector& u);
 
-/// The `count` weakest contacts of the orbit at u, the weakest first; fewer if it has no more. A short flight between two soft
-/// contacts counts as one: it is the excursion of a single contact that grazes from inside.
+/// The `count` weakest contacts of the orbit at u, weakest first; fewer if the orbit has fewer. A short flight between two soft
+/// contacts counts as a weak contact: it is the excursion of a single contact that grazes from inside.
 std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& u, int count);
 
-/// The free maximum of a guard that comes nearest to it from below, as a guess; empty if there is none.
+/// The free maximum of a guard function that is closest to zero from below, as a guess. Empty if there is none.
 std::optional<GrazingGuess> nearest_miss(OrbitProblem& problem, const Vector& u);
 
-/// All free maxima of a guard that come closer to it than `within`, the nearest first: of guards where a contact begins, and of
-/// those where one ends, which are met where a mass first lifts off. A maximum may lie on an event: friction turns round where
-/// the speed towards a stop vanishes.
+/// All free maxima of guard functions that are closer to zero than `within`, nearest first. The guards are those that begin a
+/// contact, and those that end one (reached when a mass first lifts off). A maximum may coincide with an event: friction
+/// reverses when the speed towards a stop vanishes. Contacts slower than 1e-5 are listed too, with gap 0. If the motion cannot
+/// be carried to the end, the list holds the maxima found so far.
 std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, double within);
 
 struct LocatedGrazing {
   NewtonReport newton;
-  Vector u;
-  std::size_t event = 0;                    ///< whose guard is touched
-  int touches = 1;                          ///< contacts that touch together, all of them left out
-  double t = 0.0;                           ///< of the touch, from phase 0 of the orbit
-  Vector touch;                             ///< the state there
-  std::vector<std::size_t> contact_events;  ///< of a weak contact that leads through other modes, in order; else empty
-  /// The contacts that touch as events of an orbit that has them: impacts, or entry and exit at once, of speed zero.
+  Vector u;                                 ///< unknowns of the orbit, the parameter's value last
+  std::size_t event = 0;                    ///< index of the event whose guard is touched
+  int touches = 1;                          ///< number of contacts that touch together; all are left out
+  double t = 0.0;                           ///< time of the touch, from phase 0 of the orbit
+  Vector touch;                             ///< state at the touch
+  std::vector<std::size_t> contact_events;  ///< events of a weak contact that leads through other modes, in order; else empty
+  /// The touching contacts as events of an orbit that has them, with speed zero: impacts, or an entry and an exit at one
+  /// instant.
   std::vector<EventRecord> contacts;
-  double precision = 0.0;     ///< estimated error of the parameter's value: rounding, or steps of a numerical flow
-  bool others_vague = false;  ///< other contacts touch too: whether they are met hangs on the error of the flow
+  double precision = 0.0;     ///< estimated error of the parameter's value, by rounding and by the steps of a numerical flow
+  bool others_vague = false;  ///< other contacts touch too, and the error of the flow decides whether they are met
   double curvature = 0.0;     ///< d2h/dt2 at the touch, < 0
   PeriodicOrbit orbit;        ///< with the touching contact left out
   GrazingScenario scenario = GrazingScenario::unknown;
-  bool leads_away = false;  ///< a weak contact leads to another mode, and not back from there at once
-  Vector family_dp;         ///< du/d(parameter) of the orbits with that contact left out
-  double top_dp = 0.0;      ///< d(h_top)/d(parameter) along them
-  double response = 0.0;    ///< h_top per unit of impact speed at which the orbit with the impact exists
-  Vector impulse;           ///< change of u (at fixed parameter) per unit of impact speed
-  /// Of a hard contact: transition matrices from the touch to the end of its stretch, of the stretches that follow, and of the
-  /// last one up to the touch; the guard's gradient there, and the change of state by an impact per unit of its speed.
+  bool leads_away = false;  ///< a weak contact leads to another mode, and does not return at once
+  Vector family_dp;         ///< du/d(parameter) along the family of orbits without the contact
+  double top_dp = 0.0;      ///< d(h_top)/d(parameter) along this family; h_top: free maximum of the guard function
+  double response = 0.0;    ///< h_top / (impact speed) at which the orbit with the impact exists, to first order
+  Vector impulse;           ///< change of u at fixed parameter per unit of impact speed
+  /// For a hard contact, once around the orbit: n x n transition matrices from the touch to the end of its stretch, over each
+  /// following stretch, and over the first part of its stretch up to the touch.
   std::vector<Matrix> round;
-  Vector gradient, kick;
+  Vector gradient;  ///< of the guard function in the state, at the touch
+  Vector kick;      ///< change of state by an impact, per unit of its speed
 };
 
-/// `together`: contacts on other stretches that touch with this one (an orbit symmetric between two barriers) and are left out
-/// too. The linear response is that to one impact alone: with them the scenario stays unknown. `missed`: free maxima on other
-/// stretches that touch too, left out as well; the orbit has no contact there.
+/// Newton's method from the orbit at u and the guess. If it fails, the report is not converged. Its status is `stalled` if the
+/// curvature is not negative, and `evaluation_failed` if another contact touches too.
+///
+/// `together`: contacts on other stretches that touch together with this one (an orbit symmetric between two barriers). They
+/// are left out too. The linear response describes a single impact, so that the scenario then stays unknown. `missed`: free
+/// maxima on other stretches that touch too. They are also left out; the orbit has no contact there.
 LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
                               const std::vector<GrazingGuess>& together = {}, const std::vector<GrazingGuess>& missed = {});
 

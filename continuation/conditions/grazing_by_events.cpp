@@ -10,7 +10,8 @@ namespace graze {
 
 namespace {
 
-/// From u on, the solution with event k at speed zero: Newton in the coordinates of the events.
+/// Moves u to the solution at which event k has speed zero, by Newton's method in the coordinates of the events. False if it
+/// fails.
 bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
   const ZeroProblem zero = problem.zero_problem();
   const auto linearise = [&](const Vector& at) -> std::optional<NewtonIterate> {
@@ -29,15 +30,15 @@ bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
   return newton_to_rounding(u, linearise, {.longest = 0.1}).converged();
 }
 
-/// A touch: whose guard, and when.
+/// A touch of a guard.
 struct TouchTime {
-  std::size_t event;
-  double time;
+  std::size_t event;  ///< index in HybridSystem::events; its guard is touched
+  double time;        ///< from phase 0 of the orbit
 };
 
-/// The events of u without speed, event k first.
+/// The events of u with speed zero, event k first.
 std::vector<TouchTime> touching_with(SignatureProblem& problem, const Vector& u, int k) {
-  constexpr double touching = 1e-9;  // rounding of a speed, amplified by what the orbit's other impacts do to it
+  constexpr double touching = 1e-9;  // rounding of a speed, amplified by the orbit's other impacts
   const std::vector<std::size_t>& sequence = problem.equations().sequence();
   std::vector<TouchTime> list{{sequence[static_cast<std::size_t>(k)], problem.event_time(u, k)}};
   for (int other = 0; other < problem.equations().events(); ++other)
@@ -46,9 +47,9 @@ std::vector<TouchTime> touching_with(SignatureProblem& problem, const Vector& u,
   return list;
 }
 
-/// Adds what else all but touches: free maxima of the motion u, some of which rounding may have made a contact.
+/// Adds the other near touches of the motion u: free maxima close to a guard. Rounding may have turned some into weak contacts.
 void add_others(SignatureProblem& problem, const Vector& u, std::vector<TouchTime>& list) {
-  constexpr double touching = 1e-6;  // u is next to the grazing; a maximum that does not touch is left out without harm
+  constexpr double touching = 1e-6;  // u is next to the grazing; to leave out a maximum that does not touch does no harm
   Vector v;
   OrbitProblem& states = problem.stroboscopic(u, v);
   const ShootingEquations& equations = states.equations();
@@ -66,7 +67,7 @@ void add_others(SignatureProblem& problem, const Vector& u, std::vector<TouchTim
   }
 }
 
-/// Where a touch of u lies in the stroboscopic equations, of which v is the orbit.
+/// The touch of u as a guess for the equations `states` in states at fixed phases, in which v is the same orbit.
 GrazingGuess guess_of(SignatureProblem& problem, const Vector& u, const TouchTime& touch, OrbitProblem& states, const Vector& v) {
   const SignatureEquations& equations = problem.equations();
   const double duration = equations.duration(), length = duration / states.nodes();
@@ -91,9 +92,10 @@ GrazingGuess guess_of(SignatureProblem& problem, const Vector& u, const TouchTim
   return guess;
 }
 
-/// The orbit at u in states between which there is one touch at most; nullopt where no nodes a power of two to the period do.
-std::optional<OrbitProblem> states_between(SignatureProblem& problem, const Vector& u, const std::vector<TouchTime>& touches,
-                                           Vector& out) {
+/// The orbit at u in states at fixed phases, with at most one touch on each stretch between nodes. nullopt if 1, 2, 4 or 8
+/// nodes per forcing period do not separate the touches.
+std::optional<OrbitProblem> with_separate_touches(SignatureProblem& problem, const Vector& u,
+                                                  const std::vector<TouchTime>& touches, Vector& out) {
   const SignatureEquations& equations = problem.equations();
   const double T = equations.duration() / equations.period();
   for (const int per_period : {1, 2, 4, 8}) {
@@ -129,7 +131,8 @@ std::optional<LocatedGrazing> grazing_near(OrbitProblem& problem, const Vector& 
 }
 
 std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector& u) {
-  constexpr std::size_t considered = 4;  // of weak contacts and of free maxima: the nearest grazing need not be of the weakest
+  // Of the contacts and of the free maxima each; the weakest contact need not be the nearest grazing.
+  constexpr std::size_t considered = 4;
   constexpr double same_value = 1e-9;
   const bool hard_contacts = has_hard_contacts(problem.system());
   std::vector<GrazingGuess> guesses = near_misses(problem, u, std::numeric_limits<double>::infinity());
@@ -141,7 +144,8 @@ std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector
     std::optional<LocatedGrazing> located = grazing_near(problem, u, guess);
     if (!located || (!hard_contacts && located->scenario == GrazingScenario::smooth)) continue;
     const double away = weighted_norm(problem.zero_problem().weights, located->u - u);
-    // The same touch may be found with its contact left out, or with one that a free motion still makes.
+    // The same touch may be found twice: with its contact left out, and with a contact that the free motion still makes. The
+    // result with fewer impacts is kept.
     const bool same = nearest && std::abs(problem.value(located->u) - problem.value(nearest->u)) <
                                      same_value * (1.0 + std::abs(problem.value(located->u)));
     if (same ? located->orbit.impacts >= nearest->orbit.impacts : !(away < distance)) continue;
@@ -153,15 +157,15 @@ std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector
 
 namespace {
 
-/// A solution with a touch: `problem` has it as event `touching`, of speed zero at `at`; u is the same in the coordinates of the
-/// branch.
+/// A solution with a touch, which is an event of speed zero.
 struct Touching {
-  std::optional<SignatureProblem> longer;  ///< where the touch is no event of the branch
-  Vector at, u;
-  int event = 0;
+  std::optional<SignatureProblem> longer;  ///< equations with the touch as an added event, if the branch does not have it
+  Vector at;                               ///< the solution in the coordinates of `longer`, or else of the branch
+  Vector u;                                ///< the solution in the coordinates of the branch
+  int event = 0;                           ///< number of the touch among the events of `at`
 };
 
-/// Event k of the branch without speed; empty where that lies elsewhere.
+/// The solution near u at which event k of the branch has speed zero. Empty if it is farther away than `reach`.
 std::optional<Touching> without_speed(SignatureProblem& problem, const Vector& u, int k, double reach) {
   Touching out{{}, u, {}, k};
   if (!to_zero_speed(problem, out.at, k)) return std::nullopt;
@@ -170,7 +174,8 @@ std::optional<Touching> without_speed(SignatureProblem& problem, const Vector& u
   return out;
 }
 
-/// The maximum that has met a guard as an event without speed; empty where that lies elsewhere.
+/// The solution near u with an added event of speed zero, for the free maximum that has met a guard (`met`). Empty if it is
+/// farther away than `reach`.
 std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, const EventRecord& met, std::size_t parameter,
                                    double reach) {
   const SignatureEquations& equations = problem.equations();
@@ -191,13 +196,14 @@ std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, c
   return out;
 }
 
-/// The extended system has found this grazing, and no other one beside it.
+/// Whether the extended system has found this grazing, and not a neighbouring one: the parameter values agree.
 bool agrees(const OrbitProblem& states, const LocatedGrazing& located, const Touching& touching) {
   constexpr double same = 1e-9;
   const double value = touching.at[touching.at.size() - 1];
   return std::abs(states.value(located.u) - value) < same * (1.0 + std::abs(value)) + 10.0 * located.precision;
 }
 
+/// The grazing at `touching`, located by the extended system. Empty if the system does not confirm it.
 std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector& u, Touching& touching) {
   SignatureProblem& with = touching.longer ? *touching.longer : problem;
   std::vector<TouchTime> touches = touching_with(with, touching.at, touching.event);
@@ -208,12 +214,12 @@ std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector
     OrbitProblem& states = with.stroboscopic(touching.at, v);
     alone = grazing_near(states, v, guess_of(with, touching.at, touches.front(), states, v));
     if (alone && !agrees(states, *alone, touching)) alone.reset();
-    // The same touch in another turn of a shorter orbit may be met as an impact.
+    // If the orbit closes after a divisor of its period, another turn has the same touch, which may be met as an impact.
     const int others = impacts(with.equations().system(), {0, with.equations().sequence()}) - 1;
     if (alone && !alone->others_vague && alone->orbit.impacts == others) return alone;
   }
   add_others(problem, u, touches);
-  std::optional<OrbitProblem> states = states_between(with, touching.at, touches, v);
+  std::optional<OrbitProblem> states = with_separate_touches(with, touching.at, touches, v);
   if (!states) return alone;
   std::vector<GrazingGuess> guesses;
   for (const TouchTime& touch : touches) guesses.push_back(guess_of(with, touching.at, touch, *states, v));
@@ -233,8 +239,8 @@ std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vecto
     if (!located) return std::nullopt;
     return GrazingAhead{std::move(*located), lost, std::move(touching->u)};
   };
-  // An impact that is lost can look like one that is gained: its arc beyond the barrier is met before it. So the weak impacts
-  // come first, the weakest before the others.
+  // A lost impact can look like a gained one, because its arc beyond the barrier is met before the event. Weak impacts are
+  // therefore tried first, beginning with the weakest.
   constexpr double weak = 1e-3;
   std::vector<std::pair<double, int>> slow;
   for (int k = 0; k < equations.events(); ++k) {
@@ -250,13 +256,13 @@ std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vecto
   if (beyond.lost || !beyond.met) return std::nullopt;
   const Event& contact = equations.system().events[beyond.met->event];
   if (contact.to == contact.from) return found(with_touch(problem, u, *beyond.met, parameter, reach), false);
-  // A contact that leads to another mode is no event of an orbit with this signature.
+  // A contact that leads to another mode cannot be added as an event of this signature.
   Vector v;
   OrbitProblem& states = problem.stroboscopic(u, v);
   std::optional<LocatedGrazing> located = grazing_beside(states, v);
   const bool right_there = located && weighted_norm(states.zero_problem().weights, located->u - v) <= reach;
   if (!right_there) return std::nullopt;
-  // A weak contact of the branch, the events of which come together, is met early.
+  // If the events of a weak contact of the branch coincide, the contact is met early and looks gained. It is lost.
   const bool lost = located->orbit.impacts < impacts(equations.system(), {0, equations.sequence()});
   return GrazingAhead{std::move(*located), lost, u};
 }

@@ -7,7 +7,7 @@
 namespace graze {
 
 bool same_edge(const GrazingEdge& a, const GrazingEdge& b) {
-  if (a.states.empty()) return false;  // the orbit that touches could not be carried around
+  if (a.states.empty()) return false;  // the touching orbit could not be carried around
   const auto near = [](const Vector& x, const Vector& y) {
     return (x - y).lpNorm<Eigen::Infinity>() < 1e-9 * (1.0 + x.lpNorm<Eigen::Infinity>());
   };
@@ -31,7 +31,7 @@ int to_least_period(PeriodicOrbit& orbit, LocatedGrazing& grazing) {
     shorten(grazing.family_dp);
     orbit.period = period;
     orbit.nodes.resize(static_cast<std::size_t>(shift / n));
-    // None are known of an orbit that could not be carried through its grazing.
+    // There are no states if the orbit could not be carried through its grazing.
     if (!orbit.states.empty()) orbit.states.resize(static_cast<std::size_t>(period));
     return period;
   }

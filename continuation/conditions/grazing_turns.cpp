@@ -13,7 +13,7 @@ namespace {
 
 constexpr int most_turns_counted = 16;
 
-/// R_1 ... R_m.
+/// R_1 ... R_m for m = `turns`.
 std::vector<double> responses(const TurnResponse& response, int turns) {
   const Eigen::Index n = response.turn.rows();
   Matrix power = Matrix::Identity(n, n);
@@ -27,6 +27,7 @@ std::vector<double> responses(const TurnResponse& response, int turns) {
   return list;
 }
 
+/// See side_of_family; R holds R_1 ... R_m.
 int side_of(const std::vector<double>& R, const std::vector<int>& struck) {
   const int turns = static_cast<int>(R.size());
   const auto between = [&](int i, int j) { return R[static_cast<std::size_t>((i - j + turns - 1) % turns)]; };
@@ -68,7 +69,8 @@ int families_in_some_turns(const TurnResponse& response, int turns) {
   const std::vector<double> R = responses(response, turns);
   const std::uint32_t all = (1u << turns) - 1;
   int families = 0;
-  for (std::uint32_t set = 1; set < all; set += 2) {  // the least of its rotations, which strikes in the first turn
+  // One bit per turn. Each family is represented by the smallest of its rotations, which has an impact in the first turn.
+  for (std::uint32_t set = 1; set < all; set += 2) {
     const int count = std::popcount(set);
     if (count < 2 || count > turns - 2) continue;
     bool least = true;
@@ -92,9 +94,8 @@ int families_not_followed(const LocatedGrazing& grazing, int nodes, int longest)
 }
 
 std::string others_text(int families, int longest) {
-  return fmt::format("{} with the weak impact in some of {} turns (neither one nor all but one) begin here, to first order: none "
-                     "is started from "
-                     "here, some may have been met elsewhere",
+  return fmt::format("{} with the weak impact in some of {} turns (neither one nor all but one) begin here, to first order; "
+                     "none is followed from here, some may have been found elsewhere",
                      families == 1 ? "1" : std::to_string(families),
                      longest > 4 ? fmt::format("4 to {}", std::min(longest, most_turns_counted)) : "4");
 }

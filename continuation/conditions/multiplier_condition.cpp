@@ -13,7 +13,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Rounding of one evaluation of the equations, relative to 1 + |x|: measured scatter of a period's map is a few times 1e-15.
+/// Rounding of one evaluation of the equations, relative to 1 + |x|. The measured scatter of a period's map is a few times
+/// 1e-15.
 constexpr double rounding = 1e-14;
 
 struct Bordered {
@@ -36,12 +37,12 @@ Bordered solve_bordered(const SquareMatrix& K, const typename NullVectors<Square
   return {direct[size], direct.head(size), adjoint.head(size)};
 }
 
-/// Where sigma is real, so is everything, at a fourth of the work.
+/// If sigma is real, all quantities are real, and real arithmetic needs a quarter of the work.
 Bordered solve(const Eigen::MatrixXcd& K, const Eigen::VectorXcd& b, const Eigen::VectorXcd& c, bool real) {
   return real ? solve_bordered(Matrix(K.real()), Vector(b.real()), Vector(c.real())) : solve_bordered(K, b, c);
 }
 
-/// Borders with which K is regular: its left and right null vectors.
+/// Borders that make the bordered matrix regular: the left and right null vectors of K.
 std::pair<Eigen::VectorXcd, Eigen::VectorXcd> borders(const Eigen::MatrixXcd& K, bool real) {
   if (!real) {
     auto null = null_vectors(K);
@@ -51,8 +52,8 @@ std::pair<Eigen::VectorXcd, Eigen::VectorXcd> borders(const Eigen::MatrixXcd& K,
   return {null.left.cast<Complex>(), null.right.cast<Complex>()};
 }
 
-/// Change of the equations (H, Re g, Im g) at u where the steps of numerical flows are half as long; zero where they cannot be
-/// evaluated then.
+/// Change of the equations (H, Re g, Im g) at u if the steps of numerical flows are halved. Zero if the equations cannot be
+/// evaluated with these steps.
 Vector step_error(const BranchProblem& problem, const Vector& u, const Vector& residual, Complex g, Complex sigma,
                   const Eigen::VectorXcd& b, const Eigen::VectorXcd& c, bool real) {
   Vector change = Vector::Zero(residual.size() + (real ? 1 : 2));
@@ -130,7 +131,7 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
   located.v = bordered.v;
   located.w = bordered.w;
   if (!located.newton.converged()) return located;
-  // How rounding of the equations shows in the parameter: its row of the inverse Jacobian, in the 1-norm.
+  // Effect of rounding in the equations on the parameter: the 1-norm of the parameter's row of the inverse Jacobian.
   const Vector change = step_error(problem, located.u, residual, bordered.g, sigma, b, c, real);
   located.precision =
       std::max({rounding * (scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>()),

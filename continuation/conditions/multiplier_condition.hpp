@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The extended system by which a bifurcation of multipliers is located: the orbit's equations H(u) = 0 with the condition that
+// The extended system that locates a bifurcation of multipliers: the orbit's equations H(u) = 0, and the condition that
 // sigma = e^{i theta} is a multiplier, in minimally augmented form (Govaerts, Numerical Methods for Bifurcations, 2000, ch. 4):
 //     [K(sigma)  b] [v]   [0]
 //     [c^H       0] [g] = [1],      g(u, theta) = 0,       dg = -w^H (dK) v,
-// with b, c near the left and right null vectors of K. Fold: theta = 0; period doubling: theta = pi; Neimark-Sacker: theta
-// unknown.
+// with b and c near the left and right null vectors of K, and w the solution of the adjoint system. Fold: theta = 0; period
+// doubling: theta = pi; Neimark-Sacker: theta is unknown.
 //
-// K is that of the branch's own coordinates (BranchProblem::cyclic). In those of the events of a signature it stays regular where
-// an impact's speed goes to zero: there det K is that of the return map times the speeds.
+// K is the matrix in the branch's own coordinates (BranchProblem::cyclic). In the coordinates of the events of a signature it
+// stays regular when the speed of an impact goes to zero: there det K is the determinant for the return map times the speeds of
+// the impacts.
 #pragma once
 
 #include <graze/continuation/problems/branch_problem.hpp>
@@ -17,19 +18,19 @@
 namespace graze {
 
 struct MultiplierCondition {
-  double theta = 0.0;
-  bool theta_free = false;  ///< Neimark-Sacker
+  double theta = 0.0;       ///< radians; the first guess if it is free
+  bool theta_free = false;  ///< theta is an unknown (Neimark-Sacker); otherwise theta is 0 or pi
 };
 
 struct LocatedPoint {
   NewtonReport newton;
-  Vector u;
-  double theta = 0.0;
+  Vector u;                ///< unknowns of the branch at the point, the parameter's value last
+  double theta = 0.0;      ///< radians
   double precision = 0.0;  ///< estimated error of the parameter's value
-  Eigen::VectorXcd v, w;   ///< right and left null vectors of K at the point
+  Eigen::VectorXcd v, w;   ///< right and left null vectors of K at the point (as many entries as H)
 };
 
-/// Newton on the extended system from u.
+/// Newton's method on the extended system from u. If it fails, the report is not converged and the precision is 0.
 LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& u, const MultiplierCondition& condition);
 
 }  // namespace graze

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// NS: a complex pair of multipliers crosses the unit circle. Test: the product of (mu_i mu_j - 1) over all pairs. It also passes
-// zero where two real multipliers have product 1 (a neutral saddle, no bifurcation), and a complex pair outside the circle may
-// become two real multipliers there: a point is one of NS where pairs cross the circle and the real multipliers stay as they are.
-// A step in which these cross it too (LP, PD), or pairs become real ones, is halved. In a dissipative system with one degree of
-// freedom det M < 1, so that neither can occur.
+// NS, Neimark-Sacker: a complex pair of multipliers crosses the unit circle.
+//
+// Test function: the product of (mu_i mu_j - 1) over all pairs i < j. It also passes zero if two real multipliers have product
+// 1 (a neutral saddle, not a bifurcation). A complex pair outside the circle may become two real multipliers near such a point.
+// A sign change is therefore NS only if pairs cross the circle while the numbers of pairs and of real multipliers beyond +-1
+// stay the same. If these numbers change too (LP, PD, or a pair becomes real), the step is halved. In a dissipative system with
+// one degree of freedom det M < 1: neither NS nor a neutral saddle can occur.
 #include <graze/continuation/conditions/test_function.hpp>
 
 #include <cmath>
@@ -13,7 +15,7 @@ namespace graze {
 namespace {
 
 struct Counts {
-  int pairs = 0, outside = 0;  ///< complex pairs, and those outside the circle
+  int pairs = 0, outside = 0;  ///< complex pairs, and complex pairs outside the unit circle
   int above = 0, below = 0;    ///< real multipliers above 1, and below -1
 };
 Counts count(const TestPoint& point) {
@@ -25,7 +27,7 @@ Counts count(const TestPoint& point) {
   return counts;
 }
 
-/// Whether pairs alone may have crossed the circle.
+/// Whether only complex pairs may have crossed the circle.
 bool same_reals(const Counts& a, const Counts& b) { return a.pairs == b.pairs && a.above == b.above && a.below == b.below; }
 
 }  // namespace

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// PD: a multiplier passes -1. Test: the product of (1 + mu) over all multipliers.
+// PD, period doubling: a multiplier passes -1. Test function: the product of (1 + mu) over all multipliers.
 //
-// Criticality from the normal form xi -> -xi + c xi^3 on the centre manifold (Kuznetsov, Elements of Applied Bifurcation Theory,
-// 3rd ed., eq. (5.46)-(5.47)): with M q = -q, M^T p = -p, p.q = 1,
+// The criticality follows from the normal form xi -> -xi + c xi^3 on the centre manifold (Kuznetsov, Elements of Applied
+// Bifurcation Theory, 3rd ed., eq. (5.46)-(5.47)): with M q = -q, M^T p = -p, p.q = 1,
 //     c = p . [C(q, q, q) + 3 B(q, (I - M)^{-1} B(q, q))] / 6;   c > 0: supercritical, c < 0: subcritical.
-// B and C come from central differences of the (exact) Jacobian of the period-n map along q.
+// B and C are central differences of the (exact) Jacobian of the period-n map along q.
 //
-// Beside a grazing that map bends over lengths of the square of the weak impact's speed, and differences say nothing. In the
-// coordinates of the events the equations H of the orbit run through twice are smooth there. With K(-1) v = 0, w^H K(-1) = 0,
-// phi = (v, -v), psi = (w, -w) and H_u h2 = -H_uu phi phi, the reduction of Lyapunov and Schmidt gives the same coefficient in
-// the amplitude along phi:
+// Beside a grazing this map bends over lengths proportional to the square of the weak impact's speed, and finite differences
+// fail. In the coordinates of the events the equations H of the orbit traversed twice are smooth there. With K(-1) v = 0,
+// w^H K(-1) = 0, phi = (v, -v), psi = (w, -w) and H_u h2 = -H_uu phi phi, the Lyapunov-Schmidt reduction gives the same
+// coefficient, for the amplitude along phi:
 //     c = -psi . [H_uuu phi phi phi + 3 H_uu phi h2] / (12 w . (dK/dsigma) v).
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/lib/numerics/null_vectors.hpp>
@@ -27,14 +27,15 @@ namespace {
 
 struct NormalForm {
   double c = 0.0;
-  double error = 0.0;  ///< how far halving the difference step moved c
-  /// Its sign stands above its error: that is estimated, not bounded.
+  double error = 0.0;  ///< change of c when the difference step is halved
+  /// Whether c exceeds its error by a factor of 10. The factor is needed because the error is estimated, not bounded.
   bool decides() const { return std::isfinite(c) && std::abs(c) > 10.0 * error; }
 };
 
-/// By differences of a step that must stay within the orbit's signature, and be large against their own rounding: the first that
-/// gives a hundredth of c, or else the one with the least error.
-std::optional<NormalForm> by_differences(const std::function<std::optional<double>(double h)>& coefficient) {
+/// The coefficient by finite differences with Richardson extrapolation, from steps h = 4e-3, 2e-3, ... down to 1e-5. A step
+/// must stay within the orbit's signature (else `coefficient` is empty), and must be large against rounding. The first step
+/// with an error of at most c / 100 is taken, or else the step with the smallest relative error. Empty if no step is usable.
+std::optional<NormalForm> extrapolate_differences(const std::function<std::optional<double>(double h)>& coefficient) {
   constexpr double largest = 4e-3, smallest = 1e-5, accurate = 1e-2;
   std::optional<NormalForm> best;
   for (double h = largest; h > smallest; h *= 0.5) {
@@ -47,6 +48,7 @@ std::optional<NormalForm> by_differences(const std::function<std::optional<doubl
   return best;
 }
 
+/// The coefficient of the period-n map in states. Empty if the signature changes within every difference step.
 std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   const int n = problem.states();
   ShootingEquations& equations = problem.equations();
@@ -69,10 +71,10 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   const Vector& q = null.right;
   Vector p = null.left;
   p /= p.dot(q);
-  Matrix from_itself = Matrix::Identity(n, n) - *M;
-  for (const PinnedState& pin : problem.pinned()) from_itself.row(pin.state) = Vector::Unit(n, pin.state).transpose();
-  const Eigen::PartialPivLU<Matrix> second_order(from_itself);
-  return by_differences([&](double h) -> std::optional<double> {
+  Matrix I_minus_M = Matrix::Identity(n, n) - *M;
+  for (const PinnedState& pin : problem.pinned()) I_minus_M.row(pin.state) = Vector::Unit(n, pin.state).transpose();
+  const Eigen::PartialPivLU<Matrix> second_order(I_minus_M);
+  return extrapolate_differences([&](double h) -> std::optional<double> {
     const auto ahead = jacobian(x0 + h * q), behind = jacobian(x0 - h * q);
     if (!ahead || !behind) return std::nullopt;
     const Matrix along = (*ahead - *behind) / (2.0 * h);
@@ -82,7 +84,7 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   });
 }
 
-/// The same coefficient in the branch's own coordinates.
+/// The coefficient in the branch's own coordinates, by the Lyapunov-Schmidt reduction.
 std::optional<NormalForm> normal_form_by_events(BranchProblem& problem, const LocatedPoint& located) {
   const BranchProblem::Doubled doubled = problem.doubled(located.u);
   const ZeroProblem zero = doubled.problem->zero_problem();
@@ -103,16 +105,16 @@ std::optional<NormalForm> normal_form_by_events(BranchProblem& problem, const Lo
   bordered << *J, psi, phi.head(size).transpose(), 0.0;
   const OrbitLU<Matrix> second_order(bordered);
   const Matrix dK = (problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)).real();
-  const double turn = 12.0 * w.dot(dK * v);
-  if (half != v.size() || turn == 0.0) return std::nullopt;
-  return by_differences([&](double h) -> std::optional<double> {
+  const double denominator = 12.0 * w.dot(dK * v);
+  if (half != v.size() || denominator == 0.0) return std::nullopt;
+  return extrapolate_differences([&](double h) -> std::optional<double> {
     const auto ahead = jacobian(h), behind = jacobian(-h);
     if (!ahead || !behind) return std::nullopt;
     const Matrix along = (*ahead - *behind) / (2.0 * h), second = (*ahead - 2.0 * *J + *behind) / (h * h);
     Vector right(size + 1);
     right << -along * phi.head(size), 0.0;
     const Vector h2 = second_order.solve(right).head(size);
-    return -(psi.dot(second * phi.head(size)) + 3.0 * psi.dot(along * h2)) / turn;
+    return -(psi.dot(second * phi.head(size)) + 3.0 * psi.dot(along * h2)) / denominator;
   });
 }
 
@@ -132,7 +134,7 @@ void describe(BranchProblem& problem, const LocatedPoint& located, SpecialPoint&
   if (&problem == static_cast<BranchProblem*>(&states)) return;
   const std::optional<NormalForm> smooth = normal_form_by_events(problem, located);
   if (!smooth || !smooth->decides() || (form && form->decides() && (form->c > 0.0) == (smooth->c > 0.0))) return;
-  // The states at fixed phases bend too sharply for differences.
+  // The signs differ, or the first form does not decide: the map of states at fixed phases bends too sharply for differences.
   point.details.erase("normal_form");
   point.details.erase("normal_form_error");
   verdict(*smooth, "normal form in the coordinates of the events");

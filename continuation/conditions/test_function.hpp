@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// TestFunction: the door where a new bifurcation enters: a scalar along a branch whose sign change announces a special point, a
-// confirmation, and the extended system by which the point is located.
+// TestFunction: the definition of one type of bifurcation: a scalar along a branch whose sign change announces a special point,
+// a confirmation, and the extended system that locates the point.
 //
-// To add one: a file in this folder that makes a TestFunction, and one line in test_functions().
+// To add a bifurcation, write a file in this folder that makes a TestFunction, and add one line to test_functions().
 #pragma once
 
 #include <graze/continuation/conditions/multiplier_condition.hpp>
@@ -13,7 +13,7 @@
 
 namespace graze {
 
-/// What a test function may look at: a point of the curve with its multipliers.
+/// Input of a test function: a point of the curve with its multipliers.
 struct TestPoint {
   const CurvePoint& curve;
   const BranchPoint& branch;
@@ -21,18 +21,18 @@ struct TestPoint {
 
 struct TestFunction {
   PointType type = PointType::MX;
-  const char* summary = "";
-  /// The scalar; its sign change announces the point.
+  const char* summary = "";  ///< one line: name, and the condition
+  /// The scalar (dimensionless). Its sign change announces the point.
   double (*value)(const TestPoint& point) = nullptr;
-  /// After a sign change: is it this bifurcation?
+  /// After a sign change between two points: whether it is this bifurcation.
   bool (*confirm)(const TestPoint& before, const TestPoint& after) = nullptr;
-  /// If that is denied: may the points be too far apart to tell? May be empty: never.
+  /// If `confirm` returns false: whether the points may be too far apart to decide. Null: never.
   bool (*too_far_apart)(const TestPoint& before, const TestPoint& after) = nullptr;
-  /// How far the multipliers are from those that the bifurcation has.
+  /// Distance of the multipliers from those at the bifurcation; infinity if there are none to compare.
   double (*distance)(const BranchPoint& point) = nullptr;
-  /// Newton on the extended system from u, in the branch's own coordinates; `near` is a point close by.
+  /// Newton's method on the extended system from u, in the branch's own coordinates. `near` is a neighbouring point.
   LocatedPoint (*locate)(BranchProblem& problem, const Vector& u, const TestPoint& near) = nullptr;
-  /// Adds details to the located point; may be empty.
+  /// Adds details to the located point. Null: none.
   void (*describe)(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point) = nullptr;
 };
 
@@ -44,18 +44,19 @@ TestFunction neimark_sacker_test();
 /// All test functions, in the order in which they are evaluated.
 const std::vector<TestFunction>& test_functions();
 
-/// Whether the parameter stands still, but for rounding: the branch is a family of orbits at one value (of a conservative
-/// system), each with a multiplier +1, on which neither a fold nor a branch point is to be seen.
+/// Whether the parameter is constant to rounding between two points. The branch is then a family of orbits of a conservative
+/// system at one parameter value. Each orbit has a multiplier +1, and the test functions of folds and branch points are
+/// meaningless.
 bool stands_still(const TestPoint& before, const TestPoint& after);
 
-/// Nontrivial multipliers of a point.
+/// The nontrivial multipliers: all but the last `multipliers.trivial` ones.
 std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers);
 
-/// Distance of the nontrivial multiplier that is nearest to `mu`.
+/// Smallest distance of a nontrivial multiplier from `mu`; infinity if there is none.
 double nearest_multiplier(const BranchPoint& point, double mu);
 
-/// Number of real nontrivial multipliers above +1 (unit = 1) or below -1 (unit = -1). Whether it is odd is the sign of
-/// det(M - I), of det(M + I): complex pairs do not change them.
+/// Number of real nontrivial multipliers above +1 (unit = 1) or below -1 (unit = -1). Its parity gives the sign of det(M - I)
+/// or det(M + I), because complex pairs do not change these signs.
 int real_beyond(const TestPoint& point, int unit);
 
 }  // namespace graze

@@ -11,7 +11,7 @@ const std::vector<TestFunction>& test_functions() {
 }
 
 bool stands_still(const TestPoint& before, const TestPoint& after) {
-  // A fold this close to both points would change the value by the square of the step.
+  // If a fold lay this close to both points, the value would change by about the square of the step.
   constexpr double tangent = 1e-9, least_step = 1e-6, rounding = 1e-14;
   const auto still = [](const TestPoint& point) {
     return std::abs(point.curve.tangent[point.curve.tangent.size() - 1]) < tangent;

@@ -230,7 +230,7 @@ class Graph {
         fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
                     "which accumulates at {} = {:.9g}: it is not followed impact by impact",
                     found.ratio, options_.parameter, found.value));
-    // As far beyond the accumulation point as the last family lies before it.
+    // The start lies as far beyond the accumulation point as the last family lies before it.
     const double beyond = std::clamp(2.0 * found.value - before, low_, high_);
     Vector p = branch.parameters;
     p[static_cast<Eigen::Index>(parameter_)] = beyond;
@@ -269,10 +269,10 @@ class Graph {
   /// Confirms the period doubling at which a doubled branch ends: the one nearest to its last point, on a branch of half the
   /// period.
   void confirm_return(const Branch& child) {
-    constexpr double nearest_told = 0.1;  // two of the longest steps
+    constexpr double max_distance = 0.1;  // two of the longest steps
     if (child.stop != BranchStop::returned || child.period % 2 != 0 || child.points.empty()) return;
     const BranchPoint& end = child.points.back();
-    double nearest = nearest_told;
+    double nearest = max_distance;
     std::pair<Branch*, SpecialPoint*> found{};
     for (Branch& parent : graph_.branches) {
       if (2 * parent.period != child.period) continue;

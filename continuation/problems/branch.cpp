@@ -34,7 +34,7 @@ std::string_view branch_stop_name(BranchStop reason) {
 
 std::vector<std::vector<std::size_t>> curves_of(const std::vector<Branch>& branches) {
   const auto from_seed = [](const Branch& branch) { return !branch.parent && !branch.points.empty(); };
-  // Both corrected the same orbit at the start, and may differ by rounding.
+  // Both branches corrected the same start orbit; the results may differ by rounding.
   const auto same_start = [](const Branch& a, const Branch& b) {
     const BranchPoint &start = a.points.front(), &other = b.points.front();
     return a.period == b.period && std::abs(start.value - other.value) < 1e-12 * (1.0 + std::abs(start.value)) &&

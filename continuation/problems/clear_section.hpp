@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The widest gap between places on a circle of circumference 1: where a section lies clear of the impacts.
+// The widest gap between places on a circle of circumference 1. With the phases of the impacts (over 2 pi) as places, a section
+// in the middle of the gap stays clear of them.
 #pragma once
 
 #include <vector>
@@ -11,7 +12,7 @@ struct Gap {
   double middle = 0.0;  ///< in [0, 2)
 };
 
-/// `places`: in [0, 1], ascending, at least one.
+/// `places`: at least one, in [0, 1], ascending.
 inline Gap widest_gap(const std::vector<double>& places) {
   const double around = 1.0 - places.back() + places.front();
   Gap widest{around, places.back() + 0.5 * around};

@@ -12,11 +12,12 @@ namespace graze {
 
 namespace {
 
-/// Step of the central differences of transition matrices, relative: they only steer Newton, and near a weak impact of a hard
-/// contact the matrices change over lengths of the square of its speed.
+/// Relative step of the central differences of transition matrices. It is small because near a weak impact of a hard contact
+/// the matrices change over lengths proportional to the square of its speed. The accuracy suffices: the differences only enter
+/// the Jacobian of Newton's method.
 constexpr double difference_step = 1e-7;
 
-/// Whether there are constraints, off which a disturbance is lost.
+/// Whether there are constraints, and a disturbance off them is lost (constraint_map).
 bool holds(const HybridSystem& system, const std::vector<Constraint>& constraints, const HybridState& at, const Vector& p) {
   if (constraints.empty()) return false;
   std::vector<const Constraint*> all;
@@ -42,7 +43,7 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
   if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
   const Vector shortened = u.head(u.size() - 1);
   const double length = equations_.duration(shortened) / N;
-  // Each new node lies on the stretch that begins at one of the old ones.
+  // Each new node lies on a stretch that begins at an old node, `ahead` after it.
   const double T = equations_.duration(shortened) / period();
   double ahead = std::fmod((other.equations_.section_phase() - equations_.section_phase()) * T, length);
   if (ahead < 0.0) ahead += length;
@@ -125,7 +126,7 @@ bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
     failure_ = refused.what();
     return false;
   }
-  // Where a branch begins there is no orbit before that the phase could refer to.
+  // At the start of a branch there is no earlier orbit to which the phase condition could refer.
   if (equations_.autonomous() && !equations_.has_phase_reference()) equations_.set_phase_reference(u.head(states()));
   if (equations_.evaluate(u.head(u.size() - 1), options)) return true;
   failure_ = termination_text(equations_.failure());
@@ -149,7 +150,8 @@ std::vector<PinnedState> OrbitProblem::kept_states(const Vector& u) const {
   if (!u.allFinite()) return {};
   Vector p = p_;
   p[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
-  // Only where something is held at the first node already; and by equations of its own, so that the branch costs no more.
+  // Only if constraints already hold at the first node. Separate equations are used, so that this does not count as time
+  // carried for the branch.
   const HybridState start{equations_.node_time(u, 0), equations_.node(u, 0), 0};
   const std::optional<std::size_t> mode = mode_at(system(), start.t, start.x, p);
   if (!mode || !holds(system(), system().modes[*mode].constraints, {start.t, start.x, *mode}, p)) return {};
@@ -166,7 +168,7 @@ ZeroProblem OrbitProblem::zero_problem() {
   problem.unknowns = unknowns();
   problem.evaluate = [this](const Vector& u, Vector& r, Matrix* J) { return residual(u, r, J); };
   problem.failure = [this] { return failure(); };
-  // Mean over the nodes, so that arclength does not grow with their number.
+  // The mean over the nodes: the arclength does not depend on their number.
   problem.weights = Vector::Constant(unknowns(), 1.0 / (nodes() * size_ * size_));
   problem.size = size_;
   problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
@@ -264,7 +266,7 @@ Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<d
     return w.segment(j * n, n).dot(Phi.cast<std::complex<double>>() * v.segment(j * n, n));
   };
   const TransitionOptions tangent{.sensitivity = Sensitivity::state};
-  // A node moves one stretch only; the parameter (and the duration) all of them.
+  // A node affects its own stretch only. The parameter (and the duration) affect all stretches.
   if (!evaluate(u, tangent)) return derivative;
   Transition moved;
   for (int j = 0; j < N; ++j) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OrbitProblem: periodic orbits in one parameter as a ZeroProblem. Unknowns u = (x_0, ..., x_{N-1} [, D], value), H the shooting
-// equations. The linear problem behind every bifurcation of maps is that of the cyclic matrix
-//     K(sigma) v = (Phi_j v_j - v_{j+1}, j < N - 1;  Phi_{N-1} v_{N-1} - sigma v_0),   singular where sigma is a multiplier.
+// OrbitProblem: periodic orbits in one parameter, in states at fixed phases. The unknowns are u = (x_0, ..., x_{N-1} [, D],
+// value) with N nodes and, for an autonomous system, the duration D. H are the shooting equations (ShootingEquations).
+//
+// All bifurcations of multipliers are conditions on the cyclic matrix (n N x n N for n states)
+//     K(sigma) v = (Phi_j v_j - v_{j+1}, j < N - 1;  Phi_{N-1} v_{N-1} - sigma v_0),
+// with Phi_j the transition matrix of stretch j. K is singular if sigma is a multiplier.
 #pragma once
 
 #include <graze/continuation/problems/branch_problem.hpp>
@@ -13,18 +16,21 @@ namespace graze {
 
 class OrbitProblem : public BranchProblem {
  public:
-  /// `scale`: length by which changes of the parameter are measured in the arclength (usually the range that is followed).
+  /// `parameter`: index of the continuation parameter. `scale`: unit of the parameter in the arclength (usually the range that
+  /// is followed). `section_phase`: forcing phase of the first node over 2 pi.
   OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
                const FlowOptions& options = {}, double section_phase = 0.0);
 
-  /// The same problem with its nodes at another forcing phase, and an orbit of this one in the nodes of the other.
+  /// The same problem with its first node at another forcing phase, and the conversion of an orbit u of this problem to that
+  /// one. nullopt if the motion cannot be carried to the new nodes.
   OrbitProblem with_section(double section_phase) const;
   std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
 
-  /// As with_half_steps().
+  /// See with_half_steps().
   OrbitProblem in_half_steps() const;
 
-  /// The same problem with `times` as many nodes, and an orbit of this one in those.
+  /// The same problem with `times` as many nodes, and the conversion of an orbit u of this problem to that one. nullopt if the
+  /// motion cannot be carried to the new nodes.
   OrbitProblem with_nodes(int times) const;
   std::optional<Vector> to_nodes(OrbitProblem& finer, const Vector& u);
 
@@ -37,9 +43,12 @@ class OrbitProblem : public BranchProblem {
   std::size_t parameter() const { return parameter_; }
   double scale() const { return scale_; }
 
+  /// The unknowns u from their parts. @throws std::invalid_argument for the wrong number of nodes.
   Vector pack(const std::vector<Vector>& nodes, double duration, double value) const;
-  /// Sets the parameter and evaluates the stretches; false where that is not possible (see failure()).
+  /// Sets the parameter and evaluates the stretches. False if that is not possible; failure() gives the reason.
   bool evaluate(const Vector& u, const TransitionOptions& options);
+  /// H(u) and, unless null, its Jacobian (unknowns() - 1 rows, unknowns() columns). False as for evaluate(), or if an entry is
+  /// not finite.
   bool residual(const Vector& u, Vector& residual, Matrix* jacobian);
   ZeroProblem zero_problem() override;
   std::string failure() const;
@@ -52,7 +61,7 @@ class OrbitProblem : public BranchProblem {
     return *this;
   }
 
-  /// From the stretches evaluated last.
+  /// K from the stretches of the last evaluation.
   Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
   Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
                                      const Eigen::VectorXcd& v) override;
@@ -73,7 +82,7 @@ class OrbitProblem : public BranchProblem {
   std::string failure_;
 };
 
-/// The record of an orbit that a branch keeps.
+/// The small record of an orbit that a branch keeps, without its shape.
 BranchPoint to_branch_point(const PeriodicOrbit& orbit, double value, double arclength);
 
 }  // namespace graze

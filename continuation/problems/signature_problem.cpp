@@ -132,7 +132,7 @@ Vector SignatureProblem::speed_gradient(const Vector& u, int event) {
   return equations_.speed_gradient(u, event);
 }
 
-/// A forcing phase over 2 pi clear of impacts: 0 if it is, else the middle of the widest gap between them.
+/// A forcing phase (over 2 pi) clear of impacts: 0 if no impact is within 0.02 of it, else the middle of the widest gap.
 double SignatureProblem::clear_section(const Vector& u) const {
   const double T = equations_.duration() / equations_.period();
   std::vector<double> phases;
@@ -146,7 +146,7 @@ double SignatureProblem::clear_section(const Vector& u) const {
   return std::fmod(widest_gap(phases).middle, 1.0);
 }
 
-/// A flight that cannot be carried out leaves no states: NaN, from which nothing can be evaluated, and that is no misuse.
+/// The states at these times; NaN if a flight cannot be carried out. Equations evaluated at NaN then fail, which is not misuse.
 std::vector<Vector> SignatureProblem::states_at(const Vector& u, const std::vector<double>& times) {
   std::vector<Vector> states = equations_.states_at(u, times);
   const Vector nowhere = Vector::Constant(equations_.states(), std::numeric_limits<double>::quiet_NaN());
@@ -194,12 +194,12 @@ Eigen::MatrixXcd SignatureProblem::cyclic(const Vector& u, std::complex<double> 
 Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                                      const Eigen::VectorXcd& v) {
   const Eigen::VectorXcd w = without_pinned_rows(left);
-  // Only steers Newton; the equations are smooth, so that a usual step will do.
+  // The derivative only enters the Jacobian of Newton's method, and the equations are smooth: a standard step suffices.
   constexpr double difference_step = 1e-6;
   const int n = equations_.states(), size = n + 1, m = equations_.events();
   Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
   SignatureEquations::Block block;
-  // w^H K v of the rows of event k.
+  // The contribution of the rows of event k to w^H K v.
   const auto form = [&](const Vector& at, int k) -> std::complex<double> {
     if (!equations_.evaluate(at, k, true, block)) return std::numeric_limits<double>::quiet_NaN();
     const std::complex<double> link = k + 1 < m ? 1.0 : sigma;
@@ -219,7 +219,7 @@ Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::compl
         for (int k = 0; k < m; ++k) side[s] += form(shifted, k);
         continue;
       }
-      // An event's state moves the flight after it, its instant the flight before it too.
+      // The state of an event affects the flight after it; the time of an event also affects the flight before it.
       const int k = static_cast<int>(i) / size, before = (k + m - 1) % m;
       side[s] = form(shifted, k);
       if (i % size == 0 && before != k) side[s] += form(shifted, before);
@@ -231,7 +231,7 @@ Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::compl
 }
 
 double SignatureProblem::state_scale(const Vector& u) const {
-  // Between events the forced part of a motion and the free one are larger than their sum at the events.
+  // Between events the forced and the free part of a motion are larger than their sum at the events.
   constexpr double cancelled = 4.0;
   double largest = 0.0;
   for (int k = 0; k < equations_.events(); ++k) largest = std::max(largest, equations_.state(u, k).lpNorm<Eigen::Infinity>());
@@ -250,7 +250,7 @@ std::vector<BranchProblem::Image> SignatureProblem::images(const Vector& u, cons
     bool same = true;
     for (int k = 0; k < m && same; ++k)
       same = sequence[static_cast<std::size_t>(k)] == sequence[static_cast<std::size_t>((k + by) % m)];
-    // Instants are counted from any forcing period: along a closed branch they may move by some.
+    // Event times may be counted from any forcing period: along a closed branch they may shift by whole periods.
     for (int periods = -n; same && periods <= n; ++periods) {
       if (by == 0 && periods == 0) continue;
       Image image{u, tangent};

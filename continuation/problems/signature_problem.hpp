@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SignatureProblem: orbits with hard impacts in one parameter, in the coordinates of SignatureEquations: smooth up to a grazing
-// and through it.
+// SignatureProblem: periodic orbits with hard impacts in one parameter, in the coordinates of SignatureEquations: the unknowns
+// are u = (t_1, x_1, ..., t_m, x_m, value), with the times of the m events and the states just before them. The equations are
+// smooth up to a grazing and through it. For forced systems.
 #pragma once
 
 #include <graze/continuation/problems/branch_problem.hpp>
@@ -12,22 +13,27 @@
 
 namespace graze {
 
-/// Events of an orbit in order, with their instants and the states before them.
+/// The events of an orbit in order, with their times (from phase 0) and the states just before them.
 struct EventNodes {
   std::vector<std::size_t> sequence;
   std::vector<double> times;
   std::vector<Vector> states;
-  std::size_t insert(std::size_t event, double t, const Vector& x);  ///< in its place in time, which is returned
-  /// To those of one turn, of an orbit run through so often: by their number, for an impact at phase 0 may stand at either end.
+  /// Inserts an event in the order of time, and returns its index.
+  std::size_t insert(std::size_t event, double t, const Vector& x);
+  /// Keeps the first turn of an orbit traversed `turns` times. Events are selected by their number and not by their time,
+  /// because an impact at phase 0 may be listed at either end.
   void shorten(int turns);
-  void repeat(int turns, double duration);  ///< that many times, each as long
+  /// Repeats the events: `turns` turns in total, each of this duration.
+  void repeat(int turns, double duration);
 };
 
-/// Of an orbit, from phase 0 on; nullopt where it has no events, or where it sticks (accumulation points are no nodes).
+/// The events of an orbit, from phase 0 on. nullopt if it has none, or if it sticks: an accumulation point cannot be a node.
 std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit);
 
 class SignatureProblem : public BranchProblem {
  public:
+  /// `sequence`: indices of the events, in order. `parameter`, `scale`: see OrbitProblem. @throws std::invalid_argument as
+  /// SignatureEquations does.
   SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                    std::size_t parameter, double scale, const FlowOptions& options = {});
 
@@ -36,7 +42,8 @@ class SignatureProblem : public BranchProblem {
   BranchPoint branch_point(const Vector& u, double arclength) override;
   PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
   OrbitProblem& stroboscopic(const Vector& u, Vector& out) override;
-  /// The orbit at u in states at other phases: `per_period` to the forcing period, from `section` on (see ShootingEquations).
+  /// The orbit at u in states at fixed phases: `per_period` nodes per forcing period, the first at phase `section` (over 2 pi).
+  /// Its unknowns are written to `out`; they are NaN if a flight cannot be carried out.
   OrbitProblem in_states(const Vector& u, int per_period, double section, Vector& out);
   double time_carried() const override;
   Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
@@ -51,11 +58,14 @@ class SignatureProblem : public BranchProblem {
   std::unique_ptr<BranchProblem> with_half_steps() const override;
   Vector half_difference(const Vector& u) const override;
 
+  /// The unknowns u from events and parameter value, and the events from u.
   Vector pack(const EventNodes& nodes, double value) const;
   EventNodes unpack(const Vector& u) const;
-  /// See SignatureEquations; the parameter is set first.
+  /// See SignatureEquations. The parameter is set to its value in u first; if the model refuses it, u counts as a violation.
   std::optional<SignatureEquations::Violation> violation(const Vector& u);
+  /// Smallest normal speed of the events; infinity if the model refuses the parameter value.
   double least_speed(const Vector& u);
+  /// dh/dt just before the event with this number, and its gradient in u.
   double speed(const Vector& u, int event);
   Vector speed_gradient(const Vector& u, int event);
   double event_time(const Vector& u, int event) const { return equations_.time(u, event); }
@@ -75,7 +85,7 @@ class SignatureProblem : public BranchProblem {
   FlowOptions options_;
   std::string failure_;
   std::unique_ptr<OrbitProblem> stroboscopic_;
-  double carried_elsewhere_ = 0.0;  ///< by those that stroboscopic_ has been before
+  double carried_elsewhere_ = 0.0;  ///< time carried by earlier values of stroboscopic_
 };
 
 }  // namespace graze

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SpecialPoint: a point of a branch that has a name: how it was located, how well, and between which values it lies.
+// SpecialPoint: a bifurcation, grazing or other labelled point of a branch, with its type, precision and bracket.
 #pragma once
 
 #include <graze/floquet/orbit/periodic_orbit.hpp>
@@ -13,33 +13,38 @@
 
 namespace graze {
 
-/// What lies beyond the grazing of a hard contact (Nordmark, J. Sound Vib. 145 (1991) 279; di Bernardo et al. 2008, ch. 7). To
-/// first order in its speed v an orbit with the weak impact exists where the free maximum of the guard, continued as if nothing
-/// were there, would be h_top = response v: beyond the barrier (response > 0: persistence, the impacting orbit takes over) or
-/// short of it (response < 0: nonsmooth fold, the two annihilate). For one impact per n periods of a linear oscillator its sign
-/// is that of sin(sqrt(1 - b^2) n T).
+/// Orbits beyond the grazing of a hard contact (Nordmark, J. Sound Vib. 145 (1991) 279; di Bernardo et al. 2008, ch. 7).
 ///
-/// One of the two always happens at a nondegenerate grazing: with the weak impact's speed as unknown the equations of the orbit
-/// are smooth through v = 0 (Ghosh & Simpson, arXiv 2510.16218; Simpson & Ghosh, arXiv 2602.22797, use it in the same way), and
-/// where det(I - M) is not 0 (M: monodromy without that contact), d h_top / d parameter not 0 and the response neither 0 nor
-/// infinite, the implicit function theorem gives one solution for every small v of either sign, on a curve whose parameter moves
-/// with v at a rate that is not 0: those with v > 0 lie on one side. They are admissible near the grazing: after the weak impact
-/// the motion leaves the barrier (curvature < 0), other impacts keep their speeds and other maxima their distance, both positive
-/// at the grazing. How near is another matter: as near as the smallest of these speeds and distances over their own responses,
-/// which grow with the multipliers. The third outcome of border collisions, neither orbit on one side, needs both on the other:
-/// that is the nonsmooth fold.
+/// Let h_top be the free maximum of the guard function, continued as if there were no barrier, and v the speed of the weak
+/// impact. To first order in v the orbit with the weak impact exists at h_top = response v. If response > 0 this is beyond the
+/// barrier: persistence, the impacting orbit replaces the other one. If response < 0 it is before the barrier: nonsmooth fold,
+/// both orbits exist on the same side and annihilate at the grazing. For one impact per n periods of a linear oscillator the
+/// sign of the response is that of sin(sqrt(1 - b^2) n T).
 ///
-/// Where several contacts touch at once (an orbit symmetric between two barriers) the speeds v >= 0 solve a linear
-/// complementarity problem, R v >= h_top with equality where v > 0. The numbers of its solutions on both sides of the grazing are
-/// both even or both odd, and the orbit without any impact is one of them: then too another family begins, with one of the
-/// impacts or with several.
+/// At a nondegenerate grazing one of these two cases always occurs. Proof: with v as an unknown the equations of the orbit are
+/// smooth through v = 0 (Ghosh & Simpson, arXiv 2510.16218; Simpson & Ghosh, arXiv 2602.22797, use it in the same way). Let M
+/// be the monodromy matrix without the contact. If det(I - M) != 0, d h_top / d parameter != 0, and the response is neither 0
+/// nor infinite, the implicit function theorem gives one solution for each small v of either sign. These solutions form a
+/// curve, and the parameter changes along it at a nonzero rate in v. The solutions with v > 0 therefore lie on one side.
 ///
-/// `none`, no admissible orbit beyond the grazing, is kept for contacts after which the motion does not return (they lead to
-/// another mode); `undecided` for degenerate grazings (response 0 or infinite) and those of orbits that stick, where no partner
-/// was found.
+/// These solutions are admissible near the grazing. After the weak impact the motion leaves the barrier (curvature < 0). Other
+/// impacts keep their speeds and other maxima their distances, which are positive at the grazing. The size of this
+/// neighbourhood is the smallest ratio of such a speed or distance to its own response, and these responses grow with the
+/// multipliers. The third outcome of border collisions, no orbit on one side, requires both orbits on the other side: this is
+/// the nonsmooth fold.
+///
+/// If several contacts touch at once (an orbit symmetric between two barriers), their speeds v >= 0 solve a linear
+/// complementarity problem: R v >= h_top, with equality for each v > 0. The numbers of its solutions on the two sides of the
+/// grazing are both even or both odd, and the orbit without impacts is one of them. Therefore another family begins in this
+/// case too, with one or several of the impacts.
+///
+/// `none`: no admissible orbit exists beyond the grazing, because the contact leads to another mode and the motion does not
+/// return. `undecided`: no partner was found at a degenerate grazing (response 0 or infinite) or for an orbit that sticks.
 enum class GrazingScenario { unknown, smooth, persistence, nonsmooth_fold, none, undecided };
 std::string_view grazing_scenario_name(GrazingScenario scenario);
 
+/// EP: end of the branch; LP: fold (limit point); PD: period doubling; BP: branch point; NS: Neimark-Sacker; GR: grazing; UZ: a
+/// value given by the user; MX: end of the branch because the corrector fails at the smallest step.
 enum class PointType { EP, LP, PD, BP, NS, GR, UZ, MX };
 
 /// "EP", "LP", ... and back. @throws std::invalid_argument with the valid names.
@@ -48,36 +53,39 @@ PointType point_type(std::string_view name);
 
 enum class PointStatus { bracketed, converged };
 
-/// Details are small named values: text, a number, or numbers (grazing: impacts before and after).
+/// Value of a named detail: a text, a number, or several numbers (grazing: the impacts before and after).
 using Detail = std::variant<std::string, double, std::vector<double>>;
 
 struct SpecialPoint {
   PointType type = PointType::MX;
   std::string label;    ///< type and running number along the run, for example "PD1"
   double value = 0.0;   ///< of the continuation parameter
-  PeriodicOrbit orbit;  ///< at the point, period and impacts those of the branch it lies on
+  PeriodicOrbit orbit;  ///< at the point; period and impacts are those of its branch
   PointStatus status = PointStatus::bracketed;
   double precision = 0.0;       ///< estimated error of `value`
-  double interval[2] = {0, 0};  ///< values between which the point certainly lies
-  std::size_t after_point = 0;  ///< it lies between points[after_point] and points[after_point + 1] of the branch
+  double interval[2] = {0, 0};  ///< parameter values that bracket the point
+  std::size_t after_point = 0;  ///< the point lies between points[after_point] and points[after_point + 1] of the branch
   NewtonReport newton;          ///< of the extended system
   std::map<std::string, Detail> details;
-  /// Of a grazing: the contacts that touch, as events of speed zero. Among those of the orbit where its impacts count them.
+  /// For a grazing: the touching contacts as events of speed zero. They are also among the events of `orbit` if its number of
+  /// impacts counts them.
   std::vector<EventRecord> touching = {};
 };
 
-/// Of a grazing: impacts before and after, "lost" or "gained", and those of its orbit (those in complete chatters are as they
-/// were), with the contacts that touch where they are lost.
+/// Sets the numbers of impacts before and after a grazing: the details "impacts" and "kind" ("lost" or "gained"), and the
+/// numbers of impacts of its orbit (those in complete chatters stay the same). If impacts are lost, the touching contacts are
+/// added to the events of the orbit; otherwise they are removed.
 void set_impacts(SpecialPoint& grazing, int before, int after);
 
-/// Located by a multiplier on the unit circle (LP, PD, BP, NS): rounding puts it inside or outside.
+/// Whether the type is defined by a multiplier on the unit circle (LP, PD, BP, NS). Rounding puts that multiplier inside or
+/// outside.
 bool is_marginal(PointType type);
 
-/// Whether the scenario of a grazing is smooth: its orbit has derivatives there.
+/// Whether the scenario of a grazing is smooth: the return map has a derivative there.
 bool is_smooth(const SpecialPoint& grazing);
 
-/// Whether the orbit at the point is stable. Empty where that is not for its multipliers to tell: the point is marginal, or the
-/// return map has no derivative there (the grazing of a hard contact).
+/// Whether the orbit at the point is stable. Empty if its multipliers cannot decide: the point is marginal, the return map has
+/// no derivative there (grazing of a hard contact), or the multipliers are not valid.
 std::optional<bool> stable_at(const SpecialPoint& point);
 
 }  // namespace graze
