@@ -94,10 +94,11 @@ int families_not_followed(const LocatedGrazing& grazing, int nodes, int longest)
 }
 
 std::string others_text(int families, int longest) {
-  return fmt::format("{} with the weak impact in some of {} turns (neither one nor all but one) begin here, to first order; "
+  return fmt::format("{} with the weak impact in some of {} turns (neither one nor all but one) {} here, to first order; "
                      "none is followed from here, some may have been found elsewhere",
-                     families == 1 ? "1" : std::to_string(families),
-                     longest > 4 ? fmt::format("4 to {}", std::min(longest, most_turns_counted)) : "4");
+                     families == 1 ? "1 family" : fmt::format("{} families", families),
+                     longest > 4 ? fmt::format("4 to {}", std::min(longest, most_turns_counted)) : "4",
+                     families == 1 ? "begins" : "begin");
 }
 
 }  // namespace graze

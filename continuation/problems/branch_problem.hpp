@@ -11,6 +11,9 @@
 #include <complex>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace graze {
@@ -29,6 +32,11 @@ struct PinnedState {
 class BranchProblem {
  public:
   virtual ~BranchProblem() = default;
+
+  const HybridSystem& system() const { return *system_; }
+  std::size_t parameter() const { return parameter_; }
+  /// Length by which changes of the parameter are measured in the arclength.
+  double scale() const { return scale_; }
 
   /// Number of unknowns, the parameter included. There is one equation fewer.
   virtual Eigen::Index unknowns() const = 0;
@@ -92,6 +100,29 @@ class BranchProblem {
   Vector parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
 
  protected:
+  BranchProblem(const HybridSystem& system, Vector p, std::size_t parameter, double scale)
+      : system_(&system), p_(std::move(p)), parameter_(parameter), scale_(scale) {}
+
+  /// The parameters of the orbit at u. A value that rounding of the corrector has carried just beyond the parameter's range is
+  /// put back onto its end.
+  Vector parameters_at(const Vector& u) const;
+  /// Gives the equations the parameters at u. False: they refuse them, and failure_ says why.
+  template <class Equations> bool set_value(Equations& equations, const Vector& u) {
+    p_ = parameters_at(u);
+    try {
+      equations.set_parameters(p_);
+      return true;
+    } catch (const std::invalid_argument& refused) {
+      failure_ = refused.what();
+      return false;
+    }
+  }
+  /// Takes over the unit of length and the pinned states.
+  void measure_as(const BranchProblem& other) {
+    size_ = other.size_;
+    pinned_ = other.pinned_;
+  }
+
   /// Factor of the tolerance that halves the steps of the general integrator, from its order.
   static constexpr double half_steps = 1.0 / 256.0;
   /// Order of unknowns and equations: the states of node j are the unknowns j block + before + (0 ... states - 1), and the
@@ -138,12 +169,13 @@ class BranchProblem {
     return left;
   }
 
+  const HybridSystem* system_;
+  Vector p_;  ///< with the value set last
+  std::size_t parameter_;
+  double scale_;
+  std::string failure_;              ///< of the last evaluation
   double size_ = 1.0;                ///< see measure_by
   std::vector<PinnedState> pinned_;  ///< see pin
 };
-
-/// The value, moved onto the end of the parameter's range if it lies beyond that end by less than 1e-13. The corrector's
-/// rounding can carry it there.
-double within_range(const ParameterInfo& parameter, double value);
 
 }  // namespace graze

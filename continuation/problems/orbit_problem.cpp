@@ -29,12 +29,11 @@ bool holds(const HybridSystem& system, const std::vector<Constraint>& constraint
 
 OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
                            double scale, const FlowOptions& options, double section_phase)
-    : equations_(system, p, period, nodes, parameter, options, section_phase), p_(p), parameter_(parameter), scale_(scale) {}
+    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, nodes, parameter, options, section_phase) {}
 
 OrbitProblem OrbitProblem::with_section(double section_phase) const {
   OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase);
-  other.size_ = size_;
-  other.pinned_ = pinned_;
+  other.measure_as(*this);
   return other;
 }
 
@@ -66,8 +65,7 @@ OrbitProblem OrbitProblem::in_half_steps() const {
   FlowOptions options = equations_.options();
   options.tolerance *= half_steps;
   OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, options, equations_.section_phase());
-  other.size_ = size_;
-  other.pinned_ = pinned_;
+  other.measure_as(*this);
   other.equations_.copy_phase_condition(equations_);
   return other;
 }
@@ -75,8 +73,7 @@ OrbitProblem OrbitProblem::in_half_steps() const {
 OrbitProblem OrbitProblem::with_nodes(int times) const {
   OrbitProblem finer(system(), p_, period(), times * nodes(), parameter_, scale_, equations_.options(),
                      equations_.section_phase());
-  finer.size_ = size_;
-  finer.pinned_ = pinned_;
+  finer.measure_as(*this);
   return finer;
 }
 
@@ -111,21 +108,19 @@ Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, dou
   return u;
 }
 
-double within_range(const ParameterInfo& parameter, double value) {
+Vector BranchProblem::parameters_at(const Vector& u) const {
   constexpr double slack = 1e-13;
-  if (value < parameter.lower && value > parameter.lower - slack && !parameter.lower_open) return parameter.lower;
-  if (value > parameter.upper && value < parameter.upper + slack) return parameter.upper;
-  return value;
+  const ParameterInfo& info = system().parameters[parameter_];
+  Vector p = p_;
+  double& value = p[static_cast<Eigen::Index>(parameter_)];
+  value = u[u.size() - 1];
+  if (value < info.lower && value > info.lower - slack * (1.0 + std::abs(info.lower)) && !info.lower_open) value = info.lower;
+  if (value > info.upper && value < info.upper + slack * (1.0 + std::abs(info.upper))) value = info.upper;
+  return p;
 }
 
 bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
-  p_[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
-  try {
-    equations_.set_parameters(p_);
-  } catch (const std::invalid_argument& refused) {
-    failure_ = refused.what();
-    return false;
-  }
+  if (!set_value(equations_, u)) return false;
   // At the start of a branch there is no earlier orbit to which the phase condition could refer.
   if (equations_.autonomous() && !equations_.has_phase_reference()) equations_.set_phase_reference(u.head(states()));
   if (equations_.evaluate(u.head(u.size() - 1), options)) return true;
@@ -148,15 +143,15 @@ bool OrbitProblem::residual(const Vector& u, Vector& residual, Matrix* jacobian)
 
 std::vector<PinnedState> OrbitProblem::kept_states(const Vector& u) const {
   if (!u.allFinite()) return {};
-  Vector p = p_;
-  p[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
-  // Only if constraints already hold at the first node. Separate equations are used, so that this does not count as time
-  // carried for the branch.
-  const HybridState start{equations_.node_time(u, 0), equations_.node(u, 0), 0};
-  const std::optional<std::size_t> mode = mode_at(system(), start.t, start.x, p);
-  if (!mode || !holds(system(), system().modes[*mode].constraints, {start.t, start.x, *mode}, p)) return {};
   OrbitProblem apart = with_section(equations_.section_phase());
   apart.pinned_.clear();
+  if (!apart.set_value(apart.equations_, u)) return {};
+  const Vector& p = apart.p_;
+  // Only if constraints already hold at the first node. Separate equations are used, so that this does not count as time
+  // carried for the branch.
+  const HybridState start{apart.equations_.node_time(u, 0), equations_.node(u, 0), 0};
+  const std::optional<std::size_t> mode = mode_at(system(), start.t, start.x, p);
+  if (!mode || !holds(system(), system().modes[*mode].constraints, {start.t, start.x, *mode}, p)) return {};
   Vector residual;
   Matrix jacobian;
   if (!apart.residual(u, residual, &jacobian)) return {};
@@ -176,7 +171,7 @@ ZeroProblem OrbitProblem::zero_problem() {
 }
 
 PeriodicOrbit OrbitProblem::orbit(const Vector& u, NewtonReport report) {
-  p_[static_cast<Eigen::Index>(parameter_)] = within_range(system().parameters[parameter_], value(u));
+  p_ = parameters_at(u);
   equations_.set_parameters(p_);
   if (equations_.autonomous()) equations_.set_phase_reference(u.head(states()));
   return describe_orbit(equations_, u.head(u.size() - 1), std::move(report));
@@ -240,8 +235,7 @@ std::vector<BranchProblem::Image> OrbitProblem::images(const Vector& u, const Ve
 BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
   auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), parameter_, scale_, equations_.options(),
                                                 equations_.section_phase());
-  problem->size_ = size_;
-  problem->pinned_ = pinned_;
+  problem->measure_as(*this);
   const std::vector<Vector> nodes_twice = [&] {
     std::vector<Vector> list;
     for (int j = 0; j < 2 * nodes(); ++j) list.push_back(equations_.node(u, j % nodes()));

@@ -39,9 +39,6 @@ class OrbitProblem : public BranchProblem {
   int nodes() const { return equations_.nodes(); }
   int states() const { return equations_.states(); }
   ShootingEquations& equations() { return equations_; }
-  const HybridSystem& system() const { return equations_.system(); }
-  std::size_t parameter() const { return parameter_; }
-  double scale() const { return scale_; }
 
   /// The unknowns u from their parts. @throws std::invalid_argument for the wrong number of nodes.
   Vector pack(const std::vector<Vector>& nodes, double duration, double value) const;
@@ -76,10 +73,6 @@ class OrbitProblem : public BranchProblem {
   Layout layout() const override { return {nodes(), states(), states(), 0}; }
 
   ShootingEquations equations_;
-  Vector p_;
-  std::size_t parameter_;
-  double scale_;
-  std::string failure_;
 };
 
 /// The small record of an orbit that a branch keeps, without its shape.

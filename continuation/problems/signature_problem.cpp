@@ -47,7 +47,7 @@ std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
 
 SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                                    std::size_t parameter, double scale, const FlowOptions& options)
-    : equations_(system, p, period, std::move(sequence), parameter, options), p_(p), parameter_(parameter), scale_(scale),
+    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, std::move(sequence), parameter, options),
       options_(options) {}
 
 Vector SignatureProblem::pack(const EventNodes& nodes, double value) const {
@@ -68,17 +68,6 @@ EventNodes SignatureProblem::unpack(const Vector& u) const {
     nodes.states.push_back(equations_.state(u, k));
   }
   return nodes;
-}
-
-bool SignatureProblem::set_value(const Vector& u) {
-  p_[static_cast<Eigen::Index>(parameter_)] = within_range(equations_.system().parameters[parameter_], value(u));
-  try {
-    equations_.set_parameters(p_);
-    return true;
-  } catch (const std::invalid_argument& refused) {
-    failure_ = refused.what();
-    return false;
-  }
 }
 
 ZeroProblem SignatureProblem::zero_problem() {
@@ -241,8 +230,7 @@ double SignatureProblem::state_scale(const Vector& u) const {
 std::vector<BranchProblem::Image> SignatureProblem::images(const Vector& u, const Vector& tangent) const {
   const std::vector<std::size_t>& sequence = equations_.sequence();
   const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();
-  Vector p = p_;
-  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  const Vector p = parameters_at(u);
   const double T = forcing_period(equations_.system(), p);
   const double T_dp = forcing_period_dp(equations_.system(), p)[static_cast<Eigen::Index>(parameter_)];
   std::vector<Image> list{{u, tangent}};
@@ -269,14 +257,12 @@ std::vector<BranchProblem::Image> SignatureProblem::images(const Vector& u, cons
 }
 
 BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
-  Vector p = p_;
-  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  const Vector p = parameters_at(u);
   EventNodes twice = unpack(u);
   twice.repeat(2, equations_.period() * forcing_period(equations_.system(), p));
   auto problem = std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, parameter_,
                                                     scale_, options_);
-  problem->size_ = size_;
-  problem->pinned_ = pinned_;
+  problem->measure_as(*this);
   Vector start = problem->pack(twice, value(u));
   return {std::move(problem), std::move(start)};
 }
@@ -286,8 +272,7 @@ std::unique_ptr<BranchProblem> SignatureProblem::with_half_steps() const {
   options.tolerance *= half_steps;
   auto other = std::make_unique<SignatureProblem>(equations_.system(), p_, equations_.period(), equations_.sequence(), parameter_,
                                                   scale_, options);
-  other->size_ = size_;
-  other->pinned_ = pinned_;
+  other->measure_as(*this);
   return other;
 }
 
@@ -295,8 +280,7 @@ Vector SignatureProblem::half_difference(const Vector& u) const {
   const std::vector<std::size_t>& sequence = equations_.sequence();
   const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();
   if (n % 2 != 0 || m % 2 != 0 || !std::equal(sequence.begin(), sequence.begin() + m / 2, sequence.begin() + m / 2)) return {};
-  Vector p = p_;
-  p[static_cast<Eigen::Index>(parameter_)] = value(u);
+  const Vector p = parameters_at(u);
   Vector out = u.segment(m / 2 * size, m / 2 * size) - u.head(m / 2 * size);
   for (int k = 0; k < m / 2; ++k) out[k * size] -= n / 2 * forcing_period(equations_.system(), p);
   return out;

@@ -74,16 +74,12 @@ class SignatureProblem : public BranchProblem {
 
  private:
   Layout layout() const override { return {equations_.events(), equations_.states(), equations_.states() + 1, 1}; }
-  bool set_value(const Vector& u);
+  bool set_value(const Vector& u) { return BranchProblem::set_value(equations_, u); }
   double clear_section(const Vector& u) const;
   std::vector<Vector> states_at(const Vector& u, const std::vector<double>& times);
 
   SignatureEquations equations_;
-  Vector p_;
-  std::size_t parameter_;
-  double scale_;
   FlowOptions options_;
-  std::string failure_;
   std::unique_ptr<OrbitProblem> stroboscopic_;
   double carried_elsewhere_ = 0.0;  ///< time carried by earlier values of stroboscopic_
 };

@@ -123,16 +123,19 @@ std::optional<NotFinite> find_not_finite_derivative(const TextSystem& text, std:
 }
 
 std::optional<NotFinite> find_pole(const TextSystem& text, std::size_t mode, double t0, const Vector& x0, double t1,
-                                   const Vector& x1, const Vector& p) {
+                                   const Vector& x1, const Vector& p, bool adjacent) {
   for (const Root& root : roots_of(text, mode))
     for (const Expression part : reachable(*text.graph, root.expression)) {
       const Node n = text.graph->node(part);
       const bool power = n.operation == Operation::integer_power && n.value < 0.0;
       if (n.operation != Operation::divide && !power) continue;
       const Expression divisor = power ? n.a : n.b;
-      if (!(value_of(*text.graph, divisor, t0, x0, p) * value_of(*text.graph, divisor, t1, x1, p) < 0.0)) continue;
+      const double before = value_of(*text.graph, divisor, t0, x0, p), after = value_of(*text.graph, divisor, t1, x1, p);
+      const bool passes = before * after < 0.0, nears = adjacent && std::abs(after) < 0.5 * std::abs(before);
+      if (!passes && !nears) continue;
       return NotFinite{known_place(*text.graph, text.hazards, part).value_or(root.place),
-                       fmt::format("the divisor {} goes through zero", to_text(*text.graph, divisor, text.symbols, longest_part)),
+                       fmt::format("the divisor {} goes {} zero", to_text(*text.graph, divisor, text.symbols, longest_part),
+                                   passes ? "through" : "to"),
                        true};
     }
   return std::nullopt;

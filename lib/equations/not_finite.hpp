@@ -36,9 +36,10 @@ std::optional<NotFinite> find_not_finite_guard(const TextSystem& text, double t,
 std::optional<NotFinite> find_not_finite_derivative(const TextSystem& text, std::size_t mode, double t, const Vector& x,
                                                     const Vector& p);
 
-/// A divisor in a mode's field or guards that has different signs at two states.
+/// A divisor in a mode's field or guards that has different signs at two states. `adjacent`: the states are so close that a
+/// divisor that is halved between them goes to zero too.
 std::optional<NotFinite> find_pole(const TextSystem& text, std::size_t mode, double t0, const Vector& x0, double t1,
-                                   const Vector& x1, const Vector& p);
+                                   const Vector& x1, const Vector& p, bool adjacent);
 
 /// Diagnosis of the reset of an event.
 std::optional<NotFinite> find_not_finite_reset(const TextSystem& text, std::size_t event, double t, const Vector& x,
