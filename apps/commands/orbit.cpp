@@ -51,9 +51,10 @@ int run(const Options& options, const Console& console) {
   for (std::size_t i = 0; i < (options.orbit.search ? found.orbits.size() : std::min<std::size_t>(1, found.orbits.size())); ++i)
     result.text += orbit_text(problem, found.orbits[i]) + quantities_text(measured[i]) + (options.orbit.search ? "\n" : "");
   if (!found.orbits.empty() && !found.remark.empty())
-    result.text += fmt::format("\n  {}: found by a search, {}\n", found.remark,
+    result.text += fmt::format("\n  found by a search, {}: {}\n",
                                found.orbits.front().stable() ? "the orbit above was not reached from the start"
-                                                             : "the orbit above is not what the motion settles on");
+                                                             : "the orbit above is not what the motion settles on",
+                               found.remark);
   if (!found.orbits.empty()) add_notes(result, order_notes(problem, found.orbits.front().events));
   if (found.status != Status::done) console.err << "graze orbit: " << found.message << "\n";
   return deliver(result, options.output, "orbit", exit_code(found.status), console);

@@ -339,7 +339,8 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
     above += height;
     const double left = below ? 0.0 : i * width, bottom = below ? sheet.height - above : 0.0;
     const double title_lines = below ? title_lines_of(picture) : most_title_lines + 0.4;
-    const double from_x = left + 110.0, to_x = left + width - (picture.colour_label.empty() ? 35.0 : 140.0);
+    constexpr double room_for_label_and_tics = 140.0;  // tic labels of seven characters
+    const double from_x = left + room_for_label_and_tics, to_x = left + width - (picture.colour_label.empty() ? 35.0 : 140.0);
     const double from_y = bottom + line * lines_below(picture, names_x), to_y = bottom + height - line * title_lines;
     const Drawn drawn = axes(picture, fmt::format("panel{}", i), static_cast<int>(0.96 * (to_x - from_x)),
                              static_cast<int>(0.96 * (to_y - from_y)));

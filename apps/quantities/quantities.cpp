@@ -119,7 +119,13 @@ class Reading {
     };
     const equations::Expression X = read("length*x"), V = read("length*alpha*v"), speed = read("length*alpha"),
                                 seconds = read("1/alpha");
-    for (const auto& [name, value] : from.quantities) units_[name] = quantity_info(kind, name).unit;
+    const auto name_unit = [&](const ParameterInfo& info) {
+      const bool given = std::any_of(from.quantities.begin(), from.quantities.end(),
+                                     [&](const auto& quantity) { return quantity.first == info.name; });
+      if (given) units_[info.name] = info.unit;
+    };
+    for (const ParameterInfo& info : kind.quantities) name_unit(info);
+    for (const ContactQuantity& contact : contact_quantities()) name_unit(contact.info);
     for (const auto& [name, value] : kind.inverse) {
       const equations::Expression quantity = read(value.text);
       if (name.text == "energy") scales_.emplace(QuantityKind::energy_lost, Scale{quantity, "J"});
@@ -153,6 +159,7 @@ class Reading {
         argument = found->second;
       }
     one.function = expression(text, argument, begin);
+    one.moves = equations::dependence(graph_, expressions_[one.function]).moves();
     one.unit = unit_of(trimmed(argument));
     return one;
   }
@@ -316,7 +323,7 @@ void put_quantity_option(Json& options, const std::vector<std::string>& texts) {
 
 std::string quantity_label(const Problem& problem, const std::string& text, bool at_phase_0) {
   const Quantity one = read_quantities(problem, {text}).list.front();
-  const bool phase = at_phase_0 && one.kind == QuantityKind::at_phase_0 && is_forced(problem.system);
+  const bool phase = at_phase_0 && one.moves && one.kind == QuantityKind::at_phase_0 && is_forced(problem.system);
   return text + (phase ? " at forcing phase 0" : "") +
          (one.unit.empty()              ? ""
           : one.unit == "dimensionless" ? " (dimensionless)"

@@ -51,6 +51,7 @@ struct Quantity {
   QuantityKind kind = QuantityKind::at_phase_0;
   std::size_t function = 0;               ///< index of E in Quantities::functions
   std::optional<std::size_t> scale = {};  ///< function whose value, a constant of the motion, turns the quantity into its unit
+  bool moves = false;                     ///< E depends on the motion, not only on parameters
   std::string unit = {};                  ///< empty: unknown
 };
 

@@ -31,13 +31,14 @@ std::optional<EquationError> find_singularity(const TextSystem& text, const Traj
     return not_finite_error(text, *found, t, x);
   Vector f(x.size());
   text.system.modes[last.mode].field(t, x, p, f);
-  for (double glance = shortest_glance; glance < longest_glance; glance *= 2.0) {
-    const double ahead = glance * (1.0 + std::abs(t));
-    const Vector there = x + ahead * f;
-    auto found = find_not_finite(text, last.mode, t + ahead, there, p);
-    if (!found) found = find_pole(text, last.mode, t, x, t + ahead, there, p, true);
-    if (found) return not_finite_error(text, *found, t + ahead, there);
-  }
+  for (const bool adjacent : {false, true})
+    for (double glance = shortest_glance; glance < longest_glance; glance *= 2.0) {
+      const double ahead = glance * (1.0 + std::abs(t));
+      const Vector there = x + ahead * f;
+      auto found = find_not_finite(text, last.mode, t + ahead, there, p);
+      if (!found) found = find_pole(text, last.mode, t, x, t + ahead, there, p, adjacent);
+      if (found) return not_finite_error(text, *found, t + ahead, there);
+    }
   if (const auto found = find_not_finite_derivative(text, last.mode, t, x, p)) return not_finite_error(text, *found, t, x);
   return std::nullopt;
 }

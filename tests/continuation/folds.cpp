@@ -123,7 +123,7 @@ TEST_CASE("the error bars of folds and period doublings cover the steps of the g
     ContinuationOptions in_eta = options;
     in_eta.parameter = "eta";
     in_eta.from.reset();
-    in_eta.to = 0.92;
+    in_eta.to = 0.91;
     const PeriodicOrbit soft = shoot(damped_hertz(), hertz_parameters(), settled, 1, options.shooting);
     REQUIRE(soft.converged());
     const auto doublings = points_of(continue_orbit(damped_hertz(), soft, in_eta)[0], PointType::PD);

@@ -648,12 +648,24 @@ std::vector<Complaint> compare(const Family& family, const AnswerBranch& branch)
   return out;
 }
 
+namespace {
+
+/// The scenario of a grazing may follow from a branch that an interrupted run did not reach.
+Verdict without_open_scenarios(Verdict verdict, const Answer& answer) {
+  if (answer.interrupted)
+    std::erase_if(verdict.complaints,
+                  [](const Complaint& one) { return one.kind == "scenario" && one.text.ends_with("unknown"); });
+  return verdict;
+}
+
+}  // namespace
+
 Verdict check(const Case& one, const Answer& answer, int most_impacts) {
-  return Check(one.frame, one.range(), answer, most_impacts).continued(one);
+  return without_open_scenarios(Check(one.frame, one.range(), answer, most_impacts).continued(one), answer);
 }
 
 Verdict check_skeleton(const SkeletonCase& one, const Answer& answer, int most_impacts) {
-  return Check(one.frame, one.range, answer, most_impacts).skeleton(one.most_periods);
+  return without_open_scenarios(Check(one.frame, one.range, answer, most_impacts).skeleton(one.most_periods), answer);
 }
 
 AnswerBranch answer_of(const Family& family, int id) {
