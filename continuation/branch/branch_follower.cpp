@@ -75,7 +75,10 @@ bool releases_pinned(const OrbitProblem& problem, const BranchPoint& point) {
 }  // namespace
 
 BranchFollower::BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high)
-    : system_(system), options_(options), low_(low), high_(high), hard_contacts_(has_hard_contacts(system)) {}
+    : system_(system), options_(options), low_(low), high_(high), hard_contacts_(has_hard_contacts(system)),
+      tests_(test_functions()) {
+  tests_.insert(tests_.end(), options.further_tests.begin(), options.further_tests.end());
+}
 
 bool BranchFollower::interrupted_now() {
   interrupted_ = interrupted_ || (options_.cancelled && options_.cancelled());
@@ -123,7 +126,7 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   constexpr double longest_undivided = 1e-3;
   const bool divisible = !corner_ && met.empty() && after.arclength - before.arclength > longest_undivided;
   EarlierValues values{a.branch.arclength, {}};
-  for (const TestFunction& test : test_functions()) {
+  for (const TestFunction& test : tests_) {
     const double f_a = test.value(a), f_b = test.value(b);
     values.values.push_back(f_a);
     if (!std::isfinite(f_a) || !std::isfinite(f_b)) continue;

@@ -94,6 +94,7 @@ class BranchFollower {
   const ContinuationOptions& options_;
   double low_, high_;
   bool hard_contacts_ = false;
+  std::vector<TestFunction> tests_;
   std::vector<Symmetry> symmetries_;  // those found at the start of the branch
   // State of the branch being followed.
   Vector last_;  ///< unknowns of its last point

@@ -2,6 +2,7 @@
 // ContinuationOptions: options for following periodic orbits in a parameter.
 #pragma once
 
+#include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/branch.hpp>
 #include <graze/continuation/trace/trace.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
@@ -28,7 +29,8 @@ struct ContinuationOptions {
   bool both_directions = false;  ///< also follow the first branch in the other direction, to the end of the range
   TraceOptions trace = {};
   ShootingOptions shooting = {};
-  std::vector<double> user_values = {};  ///< parameter values at which points of type UZ are computed
+  std::vector<double> user_values = {};          ///< parameter values at which points of type UZ are computed
+  std::vector<TestFunction> further_tests = {};  ///< evaluated after test_functions()
   std::function<bool()> cancelled = {};
   /// Called after each point with the branch so far (by one thread at a time).
   std::function<void(const Branch&)> progress = {};

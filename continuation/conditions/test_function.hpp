@@ -2,13 +2,16 @@
 // TestFunction: the definition of one type of bifurcation: a scalar along a branch whose sign change announces a special point,
 // a confirmation, and the extended system that locates the point.
 //
-// To add a bifurcation, write a file in this folder that makes a TestFunction, and add one line to test_functions().
+// To add a bifurcation, write a file in this folder that makes a TestFunction, and add one line to test_functions(). A program
+// that uses the library passes its own in ContinuationOptions::further_tests; zero_test() makes one from a scalar of the orbit.
 #pragma once
 
 #include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/problems/branch.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace graze {
@@ -21,19 +24,19 @@ struct TestPoint {
 
 struct TestFunction {
   PointType type = PointType::MX;
-  const char* summary = "";  ///< one line: name, and the condition
+  std::string summary;  ///< one line: name, and the condition
   /// The scalar (dimensionless). Its sign change announces the point.
-  double (*value)(const TestPoint& point) = nullptr;
+  std::function<double(const TestPoint& point)> value;
   /// After a sign change between two points: whether it is this bifurcation.
-  bool (*confirm)(const TestPoint& before, const TestPoint& after) = nullptr;
-  /// If `confirm` returns false: whether the points may be too far apart to decide. Null: never.
-  bool (*too_far_apart)(const TestPoint& before, const TestPoint& after) = nullptr;
+  std::function<bool(const TestPoint& before, const TestPoint& after)> confirm;
+  /// If `confirm` returns false: whether the points may be too far apart to decide. Empty: never.
+  std::function<bool(const TestPoint& before, const TestPoint& after)> too_far_apart = {};
   /// Distance of the multipliers from those at the bifurcation; infinity if there are none to compare.
-  double (*distance)(const BranchPoint& point) = nullptr;
+  std::function<double(const BranchPoint& point)> distance;
   /// Newton's method on the extended system from u, in the branch's own coordinates. `near` is a neighbouring point.
-  LocatedPoint (*locate)(BranchProblem& problem, const Vector& u, const TestPoint& near) = nullptr;
-  /// Adds details to the located point. Null: none.
-  void (*describe)(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point) = nullptr;
+  std::function<LocatedPoint(BranchProblem& problem, const Vector& u, const TestPoint& near)> locate;
+  /// Adds details to the located point. Empty: none.
+  std::function<void(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point)> describe = {};
 };
 
 TestFunction fold_test();
@@ -41,7 +44,11 @@ TestFunction period_doubling_test();
 TestFunction branch_point_test();
 TestFunction neimark_sacker_test();
 
-/// All test functions, in the order in which they are evaluated.
+/// Points at which a scalar of the orbit is zero: a condition from outside the library, for example a state at phase 0 minus a
+/// bound. They have the type UZ, and `name` as their detail "condition". The scalar must be smooth along the branch.
+TestFunction zero_test(std::string name, std::function<double(const BranchPoint& point)> scalar);
+
+/// All test functions of bifurcations, in the order in which they are evaluated.
 const std::vector<TestFunction>& test_functions();
 
 /// Whether the parameter is constant to rounding between two points. The branch is then a family of orbits of a conservative

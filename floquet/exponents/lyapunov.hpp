@@ -15,12 +15,13 @@
 // dimensionless time.
 #pragma once
 
-#include <graze/lib/lanes/contact_table.hpp>
 #include <graze/lib/motion/transition.hpp>
 
 #include <functional>
 
 namespace graze {
+
+class ContactTable;
 
 enum class LyapunovStop {
   not_run,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/lanes/oscillator.hpp>
 #include <graze/lib/motion/propagator.hpp>
 #include <graze/lib/motion/unbounded.hpp>
 
@@ -41,11 +42,13 @@ void Propagator::set_parameters(const Vector& p) {
 const lanes::Oscillator* Propagator::one_lane() {
   if (!lane_known_) {
     lane_known_ = true;
-    one_lane_ = options_.kind == FlowKind::automatic ? lanes::lane_oscillator(*system_, p_) : std::nullopt;
-    // One lane is no faster than the flows for Hertz contacts and cantilevers.
-    if (one_lane_ && (one_lane_->law != lanes::Law::restitution || one_lane_->cubic)) one_lane_.reset();
+    one_lane_.reset();
+    if (options_.kind == FlowKind::automatic)
+      // One lane is no faster than the flows for Hertz contacts and cantilevers.
+      if (auto lane = lanes::lane_oscillator(*system_, p_); lane && lane->law == lanes::Law::restitution && !lane->cubic)
+        one_lane_ = std::make_shared<const lanes::Oscillator>(std::move(*lane));
   }
-  return one_lane_ ? &*one_lane_ : nullptr;
+  return one_lane_.get();
 }
 
 HybridState Propagator::start(double t, const Vector& x) const { return {t, x, initial_mode(*system_, t, x, p_)}; }

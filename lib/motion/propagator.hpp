@@ -10,10 +10,14 @@
 // mass at rest at its stop sticks too, for any e. A run never jumps past its end time.
 #pragma once
 
-#include <graze/lib/lanes/oscillator.hpp>
 #include <graze/lib/motion/trajectory.hpp>
 
 #include <functional>
+#include <memory>
+
+namespace graze::lanes {
+struct Oscillator;
+}
 
 namespace graze {
 
@@ -107,7 +111,7 @@ class Propagator {
   std::size_t most_evaluations_ = 0;
   bool plus_known_ = false;  // whether f_plus_ is the field right after record_
   bool lane_known_ = false;  // whether one_lane_ is up to date
-  std::optional<lanes::Oscillator> one_lane_;
+  std::shared_ptr<const lanes::Oscillator> one_lane_;
   Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;
   Matrix f_dx_;
 };

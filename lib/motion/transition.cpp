@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/lanes/lane_width.hpp>
+#include <graze/lib/lanes/oscillator.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/motion/transition.hpp>
 

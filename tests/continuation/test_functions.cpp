@@ -227,3 +227,24 @@ TEST_CASE("a branch through each of these bifurcations reports it once under its
     CHECK(check_branch(family.system, branches[0]) == std::vector<std::string>{});
   }
 }
+
+TEST_CASE("a program that uses the library adds a condition of its own") {
+  // The fixed point of the logistic map is x = 1 - 1/lambda.
+  const HybridSystem system = logistic_map();
+  const Vector p = parameters(system, {{"lambda", 2.5}});
+  const PeriodicOrbit orbit = shoot(system, p, Vector{{0.6}}, 1);
+  REQUIRE(orbit.converged());
+  ContinuationOptions options;
+  options.parameter = "lambda";
+  options.to = 3.2;
+  options.switch_generations = 0;
+  options.further_tests = {zero_test("x = 0.65", [](const BranchPoint& point) { return point.state()[0] - 0.65; }),
+                           zero_test("x = 0.5", [](const BranchPoint& point) { return point.state()[0] - 0.5; })};
+  const std::vector<Branch> branches = continue_orbit(system, orbit, options);
+  CHECK(types_of(branches[0]) == "UZ PD");
+  const SpecialPoint point = points_of(branches[0], PointType::UZ).at(0);
+  CHECK(point.status == PointStatus::converged);
+  CHECK(text_detail(point, "condition") == "x = 0.65");
+  CHECK(std::abs(point.value - 1.0 / 0.35) <= point.precision);
+  CHECK(point.precision < 1e-11);
+}
