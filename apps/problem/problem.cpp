@@ -173,6 +173,20 @@ std::pair<std::string, double>* given_quantity(Problem& problem, const std::stri
   return nullptr;
 }
 
+/// Whether a dimensionless parameter follows from the quantity, or the quantity from the parameter.
+bool depend_on_each_other(const ConvertedFrom& from, const std::string& parameter, const std::string& quantity) {
+  const auto other = [](double value) { return 1.5 * value + 0.1; };
+  const ExcitationKind& kind = excitation_kind(from.excitation);
+  Values quantities(from.quantities.begin(), from.quantities.end());
+  Values parameters = to_dimensionless(kind, quantities);
+  if (!parameters.contains(parameter)) return false;
+  const double value = parameters.at(parameter), inverse = from_dimensionless(kind, parameters).at(quantity);
+  quantities[quantity] = other(quantities[quantity]);
+  if (to_dimensionless(kind, quantities).at(parameter) != value) return true;
+  parameters[parameter] = other(value);
+  return from_dimensionless(kind, parameters).at(quantity) != inverse;
+}
+
 /// Converts again. Parameters that do not depend on the quantity keep the value of an earlier setting.
 void set_quantity(Problem& problem, std::pair<std::string, double>& quantity, double value) {
   ConvertedFrom& from = *problem.converted_from;
@@ -207,14 +221,20 @@ void vary_quantities(Problem& problem, const std::vector<std::string>& chosen) {
 void choose_quantities(Problem& problem, const std::vector<std::string>& names) {
   std::vector<std::string> chosen;
   for (const std::string& name : names)
-    if (given_quantity(problem, name)) chosen.push_back(name);
+    if (given_quantity(problem, name) && std::find(chosen.begin(), chosen.end(), name) == chosen.end()) chosen.push_back(name);
   if (chosen.empty()) return;
   const Problem before = problem;
   vary_quantities(problem, chosen);
   constexpr double roundings = 1e-14;
+  const ConvertedFrom& from = *problem.converted_from;
+  const Values converted =
+      to_dimensionless(excitation_kind(from.excitation), Values(from.quantities.begin(), from.quantities.end()));
   for (std::size_t i = 0; i < before.system.parameters.size(); ++i) {
     const std::string& name = before.system.parameters[i].name;
-    const double set = before.parameters[static_cast<Eigen::Index>(i)], given = parameter(problem, name);
+    const bool depends = std::any_of(chosen.begin(), chosen.end(),
+                                     [&](const std::string& quantity) { return depend_on_each_other(from, name, quantity); });
+    if (!depends) continue;
+    const double set = before.parameters[static_cast<Eigen::Index>(i)], given = converted.at(name);
     if (std::abs(given - set) > roundings * std::abs(set))
       throw std::invalid_argument(
           fmt::format("--param {0}: {1} is {2} by --set and {3} by [physical], and it changes with {0}; set "
@@ -224,6 +244,12 @@ void choose_quantities(Problem& problem, const std::vector<std::string>& names) 
 }
 
 void apply_settings(Problem& problem, const std::vector<std::string>& settings) {
+  std::vector<std::string> physical, dimensionless;  // set so far
+  const auto check_apart = [&](const std::string& parameter, const std::string& quantity) {
+    if (problem.converted_from && depend_on_each_other(*problem.converted_from, parameter, quantity))
+      throw std::invalid_argument(fmt::format(
+          "{} and {} depend on each other, and both are set; set the quantities of [physical] only", parameter, quantity));
+  };
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0)
@@ -233,12 +259,16 @@ void apply_settings(Problem& problem, const std::vector<std::string>& settings) 
       const std::string name = setting.substr(0, equals);
       if (auto* const quantity = given_quantity(problem, name)) {
         if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
+        for (const std::string& other : dimensionless) check_apart(other, name);
         set_quantity(problem, *quantity, *value);
+        physical.push_back(name);
         continue;
       }
       index_of(problem, name);  // if name and value are both wrong, report the name
       if (!value) throw std::invalid_argument(no_number(setting.substr(equals + 1)));
+      for (const std::string& other : physical) check_apart(name, other);
       problem.parameters = changed(problem, name, *value);
+      dimensionless.push_back(name);
       std::erase(problem.defaulted, name);
       if (&setting == &settings.back()) check_tied(problem, problem.parameters);  // once all are set
     } catch (const std::invalid_argument& error) {

@@ -716,19 +716,27 @@ std::optional<PointInStep> BranchFollower::locate(BranchProblem& problem, const 
       if (std::abs(f) < small) break;
     }
   };
-  narrow_bracket(8, 1e-5, 1e-7);
   SpecialPoint point;
   point.type = test.type;
   point.after_point = branch.points.size() - 1;
-  LocatedPoint located = test.locate(problem, best.u, {best, best_branch});
-  // Newton's result must stay within the step that announced the point: outside lies another point of the same type.
-  const auto within_step = [&](const Vector& u) {
-    constexpr double slack = 0.01;
-    const double place = place_of(zero, before.curve, u);
-    return weighted_norm(zero.weights, u - best.u) <= length && place >= -slack * length && place <= (1.0 + slack) * length;
+  // Newton's result must stay within the bracket of the sign change: outside lies another point of the same type. Beside such a
+  // point the test function is small all over the step, and only a narrow bracket leads to the right one.
+  const Vector weighted_chord = zero.weights.cwiseProduct(after.curve.u - before.curve.u);
+  const auto within_bracket = [&](const Vector& u) {
+    constexpr double slack = 1e-6;
+    const double part = weighted_chord.dot(u - before.curve.u) / weighted_chord.dot(after.curve.u - before.curve.u);
+    return weighted_norm(zero.weights, u - best.u) <= length && part >= lo - slack && part <= hi + slack;
   };
+  LocatedPoint located;
+  bool found = false;
+  for (const bool again : {false, true}) {
+    if (found) break;
+    again ? narrow_bracket(40, 0.0, 1e-4) : narrow_bracket(8, 1e-5, 1e-7);
+    located = test.locate(problem, best.u, {best, best_branch});
+    found = located.newton.converged() && within_bracket(located.u);
+  }
   point.newton = located.newton;
-  if (located.newton.converged() && within_step(located.u)) {
+  if (found) {
     point.status = PointStatus::converged;
     point.precision = std::max(located.precision, 4e-16 * std::abs(problem.value(located.u)));
     point.value = problem.value(located.u);

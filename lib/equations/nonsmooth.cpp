@@ -426,7 +426,11 @@ bool is_nonsmooth(Operation operation) {
 }
 
 Expression switching_argument(Graph& graph, const Node& node) {
-  return operands(node.operation) == 2 ? graph.subtract(node.a, node.b) : node.a;
+  if (operands(node.operation) == 2) return graph.subtract(node.a, node.b);
+  // sign(a/b) and step(a/b) change at the zeros of b too, where a/b is no guard: a b has the same sign.
+  const Node argument = graph.node(node.a);
+  const bool of_sign = node.operation == Operation::sign || node.operation == Operation::step;
+  return of_sign && argument.operation == Operation::divide ? graph.multiply(argument.a, argument.b) : node.a;
 }
 
 Pieces split_nonsmooth(Graph& graph, const Pieces& pieces, const std::vector<ParameterInfo>& parameters, const Symbols& symbols,

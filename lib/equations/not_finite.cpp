@@ -128,14 +128,19 @@ std::optional<NotFinite> find_pole(const TextSystem& text, std::size_t mode, dou
     for (const Expression part : reachable(*text.graph, root.expression)) {
       const Node n = text.graph->node(part);
       const bool power = n.operation == Operation::integer_power && n.value < 0.0;
-      if (n.operation != Operation::divide && !power) continue;
-      const Expression divisor = power ? n.a : n.b;
-      const double before = value_of(*text.graph, divisor, t0, x0, p), after = value_of(*text.graph, divisor, t1, x1, p);
+      const bool tangent = n.operation == Operation::tan;  // sin/cos
+      if (n.operation != Operation::divide && !power && !tangent) continue;
+      const Expression divisor = power || tangent ? n.a : n.b;
+      const auto value = [&](double t, const Vector& x) {
+        const double operand = value_of(*text.graph, divisor, t, x, p);
+        return tangent ? std::cos(operand) : operand;
+      };
+      const double before = value(t0, x0), after = value(t1, x1);
       const bool passes = before * after < 0.0, nears = adjacent && std::abs(after) < 0.5 * std::abs(before);
       if (!passes && !nears) continue;
       return NotFinite{known_place(*text.graph, text.hazards, part).value_or(root.place),
-                       fmt::format("the divisor {} goes {} zero", to_text(*text.graph, divisor, text.symbols, longest_part),
-                                   passes ? "through" : "to"),
+                       fmt::format("the {} {} goes {} zero", tangent ? "cosine, in the tangent, of" : "divisor",
+                                   to_text(*text.graph, divisor, text.symbols, longest_part), passes ? "through" : "to"),
                        true};
     }
   return std::nullopt;

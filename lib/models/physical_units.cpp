@@ -71,21 +71,30 @@ std::vector<equations::Definition> inverse(Texts own) {
   return definitions(own);
 }
 
-/// The expressions of a conversion in a graph, with the quantities given by `meaning`.
-std::vector<equations::Expression> expressions(equations::Graph& graph, const ExcitationKind& kind,
+/// The expressions of definitions in a graph, with other names given by `meaning`.
+std::vector<equations::Expression> expressions(equations::Graph& graph, const std::vector<equations::Definition>& definitions,
                                                const std::function<equations::Expression(std::string_view)>& meaning) {
   equations::Scope scope;
   scope.find = [&](std::string_view name) -> std::optional<equations::Expression> {
-    const auto one = std::find_if(kind.conversion.begin(), kind.conversion.end(),
+    const auto one = std::find_if(definitions.begin(), definitions.end(),
                                   [&](const equations::Definition& definition) { return definition.name.text == name; });
-    return one == kind.conversion.end() ? std::optional(meaning(name)) : std::nullopt;
+    return one == definitions.end() ? std::optional(meaning(name)) : std::nullopt;
   };
-  return equations::parse_definitions(graph, {}, kind.conversion, scope, "parameter");
+  return equations::parse_definitions(graph, {}, definitions, scope, "parameter");
 }
 
 double value_in(const Values& values, std::string_view name) {
   const auto found = values.find(name);
   return found == values.end() ? 0.0 : found->second;
+}
+
+Values values_of(const std::vector<equations::Definition>& definitions, const Values& given) {
+  equations::Graph graph;
+  const auto list = expressions(graph, definitions, [&](std::string_view name) { return graph.constant(value_in(given, name)); });
+  const std::vector<double> found = equations::values(graph, list, 0.0, Vector(), Vector());
+  Values out;
+  for (std::size_t i = 0; i < list.size(); ++i) out.emplace(definitions[i].name.text, found[i]);
+  return out;
 }
 
 }  // namespace
@@ -152,13 +161,10 @@ const ParameterInfo& quantity_info(const ExcitationKind& kind, std::string_view 
   throw std::invalid_argument(unknown_name("physical quantity", name, names));
 }
 
-Values to_dimensionless(const ExcitationKind& kind, const Values& quantities) {
-  equations::Graph graph;
-  const auto list = expressions(graph, kind, [&](std::string_view name) { return graph.constant(value_in(quantities, name)); });
-  const std::vector<double> found = equations::values(graph, list, 0.0, Vector(), Vector());
-  Values out;
-  for (std::size_t i = 0; i < list.size(); ++i) out.emplace(kind.conversion[i].name.text, found[i]);
-  return out;
+Values to_dimensionless(const ExcitationKind& kind, const Values& quantities) { return values_of(kind.conversion, quantities); }
+
+Values from_dimensionless(const ExcitationKind& kind, const Values& dimensionless) {
+  return values_of(kind.inverse, dimensionless);
 }
 
 equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const ContactLaw& law, const ExcitationKind& kind,
@@ -169,7 +175,7 @@ equations::TextSystem read_oscillator(const OscillatorKind& oscillator, const Co
     infos.back().default_value = value_in(quantities, name);
   }
   equations::Graph graph;
-  const auto list = expressions(graph, kind, [&](std::string_view name) {
+  const auto list = expressions(graph, kind.conversion, [&](std::string_view name) {
     const auto place = std::find(chosen.begin(), chosen.end(), name);
     return place == chosen.end() ? graph.constant(value_in(quantities, name))
                                  : graph.parameter(static_cast<std::size_t>(place - chosen.begin()));

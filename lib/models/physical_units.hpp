@@ -59,6 +59,9 @@ const ParameterInfo& quantity_info(const ExcitationKind& kind, std::string_view 
 /// The values of `conversion`, by name; missing quantities count as 0.
 Values to_dimensionless(const ExcitationKind& kind, const Values& quantities);
 
+/// The values of `inverse`, by name; missing values count as 0.
+Values from_dimensionless(const ExcitationKind& kind, const Values& dimensionless);
+
 /// The oscillator with the physical quantities `chosen` as parameters. The dimensionless parameters that depend on them are
 /// tied to them, as are "stiffness", "alpha" and "length"; the others stay parameters. All other quantities keep their values.
 /// `chosen` are names in `quantities`.

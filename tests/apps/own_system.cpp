@@ -564,6 +564,31 @@ law = { linear = [40, 3] }
   CHECK(std::abs(y("energy_lost") - taken) < 0.2 * taken);
 }
 
+TEST_CASE("two special points close together are both found (fixed)") {
+  // The rest state of a parametric oscillator doubles where 1 + tr M + det M = 0. The values are those of DOP853.
+  const TemporaryFolder folder;
+  const std::string file = folder.write("parametric.toml", R"([system]
+states = ["x", "v"]
+forcing = "eta"
+[parameters]
+eta = 1.5
+b = 0.05
+e = 0.25
+[modes.free]
+equations = """
+  x' = v
+  v' = 0 - 2*b*v - (1 + e*cos(eta*t))*x - x^3
+"""
+)");
+  const Json json = result("continue", file, {"--set", "e=0.20007089", "--from", "1.6", "--to", "2.5", "--switch", "0"});
+  std::vector<double> values;
+  for (const Json& point : json["branches"][0]["special_points"])
+    if (point["type"] == "PD") values.push_back(point["value"].get<double>());
+  REQUIRE(values.size() == 2);
+  CHECK(std::abs(values[0] - 1.9930772761959) < 1e-11);
+  CHECK(std::abs(values[1] - 1.9994455368699) < 1e-11);
+}
+
 TEST_CASE("a part of an equation that is not finite at the start or later is named with its place (fixed)") {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& force, std::vector<std::string> more, const std::string& command = "orbit") {

@@ -95,6 +95,14 @@ TEST_CASE("a dimensionless parameter must not contradict the varied quantity") {
   CHECK_THAT(set.err, Contains("--param omega: eta is 0.9 by --set and 0.95 by [physical]"));
   const Outcome other = call({"continue", file, "--param", "omega", "--set", "b=0.04", "--to", "4.7", "--quiet"});
   CHECK(other.code == 0);
+  // Two settings that depend on each other are refused in either order; others hold both.
+  for (const std::vector<std::string>& pair :
+       {std::vector<std::string>{"eta=0.9", "omega=4.75"}, {"omega=4.75", "eta=0.9"}, {"r=2", "a=0.02"}, {"b=0.2", "m=3"}}) {
+    const Outcome both = call({"orbit", file, "--set", pair[0], "--set", pair[1]});
+    CHECK(both.code == 2);
+    CHECK_THAT(both.err, Contains("depend on each other"));
+  }
+  CHECK(call({"orbit", file, "--set", "r=2.5", "--set", "omega=4.8", "--quiet"}).code == 0);
   const Outcome range = call({"continue", file, "--param", "omega", "--to", "0"});
   CHECK(range.code == 2);
   CHECK_THAT(range.err, Contains("omega is 0") && Contains("> 0"));

@@ -116,6 +116,19 @@ TEST_CASE("sign and step: the field jumps and the saltation through it agrees wi
   for (const Event& event : smooth.system.events) REQUIRE(event.continuous);
 }
 
+TEST_CASE("the sign of a quotient changes at the zeros of its divisor too (fixed)") {
+  const HybridSystem quotient = equations::make_system(forced("-sign(0.3/(0.5 - x))").system).system,
+                     plain = equations::make_system(forced("-sign(0.5 - x)").system).system;
+  REQUIRE(quotient.modes.size() == 2);
+  const Vector p = default_parameters(plain.parameters), x0 = vector({0.2, 1.1});
+  const Trajectory a = simulate(quotient, p, 0.0, x0, {.t_end = 9.0}), b = simulate(plain, p, 0.0, x0, {.t_end = 9.0});
+  REQUIRE(a.termination == Termination::time);
+  REQUIRE(a.events.size() >= 2);
+  REQUIRE(a.events.size() == b.events.size());
+  REQUIRE((a.x - b.x).lpNorm<Eigen::Infinity>() < 1e-11);
+  REQUIRE_THAT(check_transition(quotient, p, 0.0, 9.0, x0, 1e-7, 1e-5), all_agree());
+}
+
 TEST_CASE("an impact within a split mode leads to the branch behind it") {
   SystemWriter writer = forced("0.1*sign(v)");
   writer.parameter("r", "0.7");
