@@ -300,6 +300,7 @@ Drawn axes(const Picture& picture, const std::string& prefix, int columns, int r
 std::string single(const Picture& picture, const std::string& format) {
   const Drawn drawn = axes(picture, "", 800, 500);
   return terminal(format, {}) + "\nset encoding utf8\n" + drawn.settings + legend(picture, 0.5, 0.015) +
+         (picture.colour_label.empty() ? "" : "set rmargin at screen 0.8\n") +  // gnuplot drops a label without room
          fmt::format("set bmargin {}\n", lines_below(picture, true)) + drawn.data + drawn.plot;
 }
 
@@ -340,7 +341,7 @@ std::string several(const std::vector<Picture>& pictures, bool below, const std:
     const double left = below ? 0.0 : i * width, bottom = below ? sheet.height - above : 0.0;
     const double title_lines = below ? title_lines_of(picture) : most_title_lines + 0.4;
     constexpr double room_for_label_and_tics = 140.0;  // tic labels of seven characters
-    const double from_x = left + room_for_label_and_tics, to_x = left + width - (picture.colour_label.empty() ? 35.0 : 140.0);
+    const double from_x = left + room_for_label_and_tics, to_x = left + width - (picture.colour_label.empty() ? 35.0 : 190.0);
     const double from_y = bottom + line * lines_below(picture, names_x), to_y = bottom + height - line * title_lines;
     const Drawn drawn = axes(picture, fmt::format("panel{}", i), static_cast<int>(0.96 * (to_x - from_x)),
                              static_cast<int>(0.96 * (to_y - from_y)));
