@@ -111,7 +111,7 @@ TEST_CASE("a branch that returns to one of its points is closed even if this is 
   ContinuationOptions options;
   options.to = 0.5;
   options.switch_generations = 0;
-  options.trace.max_step = 0.2;  // passes the branch point at eta = 0.6368 and ends on the broken branch
+  options.trace.max_step = 0.3;  // passes the branch point at eta = 0.6368 and ends on the broken branch
   options.trace.max_points = 1000;
   const std::vector<Branch> branches = continue_orbit(system, orbit, options);
   REQUIRE(branches.size() == 1);

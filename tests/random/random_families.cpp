@@ -503,7 +503,8 @@ TEST_CASE("random orbits of two stops and two masses that once failed are right"
     plan.first = one.index;
     plan.cases = 1;
     plan.most_impacts = 6;
-    plan.limit = 20.0;
+    plan.limit = 8.0;
+    plan.patience = 300.0;
     std::ostringstream lines;
     const Summary summary = run(plan, lines);
     INFO(lines.str());
