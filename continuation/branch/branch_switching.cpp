@@ -112,7 +112,6 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   direction /= weighted_norm(zero.weights, direction);
   // The push and the steps after it are small, because in a cascade the next bifurcation may follow closely. The parameter
   // grows with the square of the push, and fast beside a grazing; the smallest push is near the level of rounding.
-  std::optional<BranchStart> beyond;
   for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
     BranchStart start;
     start.u = doubled.u + push * direction;
@@ -127,14 +126,9 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
     const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
     if (first.impacts != 2 * pd.orbit.impacts) continue;
     start.states = first.states;
-    // A doubled orbit is born with a multiplier +1, and with the squares of the others. Multipliers below -1 come later.
-    const auto values = nontrivial(first.multipliers);
-    const bool has_doubled = std::any_of(values.begin(), values.end(),
-                                         [](const std::complex<double>& mu) { return mu.imag() == 0.0 && mu.real() < -1.0; });
-    if (!has_doubled) return start;
-    if (!beyond) beyond = std::move(start);
+    return start;
   }
-  return beyond;
+  return std::nullopt;
 }
 
 std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& states, int side,
