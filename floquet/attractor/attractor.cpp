@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/transient.hpp>
 #include <graze/floquet/exponents/lyapunov_lanes.hpp>
 #include <graze/floquet/orbit/observe.hpp>
@@ -63,23 +64,6 @@ void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
   attractor.orbit = std::make_shared<const PeriodicOrbit>(std::move(orbit));
 }
 
-Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
-  Transient approach(system, p, start, options);
-  Propagator propagator(system, p, {}, options.lyapunov.flow);
-  do {
-    if (!carry_watched(propagator, approach, [&] { return cancelled(options); })) approach.stop(Termination::interrupted);
-    if (approach.asks() > 0)
-      approach.answer(look_for_orbit(propagator, approach.state(), approach.asks(), options, approach.passed_by()));
-  } while (approach.open());
-  return std::move(approach).result();
-}
-
-Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
-  Attractor out = approach_attractor(system, p, start, options);
-  average_on_attractor(system, p, out, options);
-  return out;
-}
-
 namespace {
 
 /// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
@@ -108,6 +92,31 @@ int motions_in_shared_lanes(const LyapunovOptions& averaging) {
 }
 
 namespace {
+
+/// Periods after which a running average is checked for a motion that has settled; the interval then doubles.
+constexpr std::int64_t first_check_of_average = 2000;
+
+bool is_fast(const AttractorOptions& options) { return options.recurrence > 0.0; }
+
+/// Cancellation test, called before periods are carried.
+struct Stop {
+  const AttractorOptions& options;
+  bool operator()() const { return cancelled(options); }
+};
+
+/// Whether the lanes may carry the motion: they give the orbits of fast searches only, and no average on an orbit.
+bool alone(const AttractorOptions& options) { return !is_fast(options) || options.periods_on_orbit > 0; }
+
+/// The orbit of up to `most` periods on which the motion at `state` is settling. `refused`: orbits that it was seen to pass.
+MotionTask<OrbitSearchResult> look(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
+                                   const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
+  OrbitSearchResult out;
+  if (is_fast(options))
+    out = co_await look_for_orbit(lane, system, p, state, most, return_tolerance(options), options.lyapunov.flow, refused);
+  else
+    out.orbit = settling_orbit(lane.propagator(), state, most, options.lyapunov.all_threads);
+  co_return out;
+}
 
 void average_on_orbit(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
   LyapunovOptions averaging = options.lyapunov;
@@ -139,85 +148,169 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
   return states;
 }
 
-/// Takes a time average, looks for an orbit from the final states of its motions, and evaluates it.
-void average(const HybridSystem& system, const Vector& p, Attractor& attractor, const LyapunovOptions& averaging,
-             const AttractorOptions& options) {
-  LyapunovSpectrum average = lyapunov_spectrum(system, p, attractor.state, averaging);
-  if (average.termination == Termination::no_return) {
-    attractor.termination = Termination::no_return;
-    attractor.state = average.state;
-    attractor.time_average = std::move(average);
-    return;
-  }
-  // The state at an interruption means nothing: the remaining periods might have led elsewhere.
-  if (average.stop == LyapunovStop::interrupted) return evaluate_average(std::move(average), options, attractor);
+/// The orbit on which one of the motions of an average has settled, sought from the end of each. One settled motion proves that
+/// the chaos was transient.
+std::optional<PeriodicOrbit> orbit_at_ends(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
+                                           const LyapunovOptions& averaging, const AttractorOptions& options) {
   std::vector<Vector> ends = continued_states(system, p, average, averaging);
-  attractor.time_average = std::move(average);
-  attractor.state = attractor.time_average.state;
   if (ends.size() > 1) ends = settling_candidates(system, p, ends, options.lyapunov.flow);
-  const int most = longest_period_tried(options, attractor.time_average.periods_each());
+  const int most = longest_period_tried(options, average.periods_each());
   const std::size_t together = options.lyapunov.all_threads ? available_threads() : 1;
-  for (std::size_t begin = 0; begin < ends.size(); begin += together) {
+  for (std::size_t begin = 0; begin < ends.size() && !cancelled(options); begin += together) {
     std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
     in_parallel(orbits.size(), [&](std::size_t i) {
       Propagator propagator(system, p, {}, options.lyapunov.flow);
-      orbits[i] = look_for_orbit(propagator, ends[begin + i], most, options);
+      orbits[i] = settling_orbit(propagator, ends[begin + i], most, options.lyapunov.all_threads);
     });
-    if (cancelled(options)) {  // not all of them were tried
-      attractor.time_average.stop = LyapunovStop::interrupted;
-      break;
-    }
-    for (auto& orbit : orbits)  // one settled motion proves that the chaos was transient
-      if (orbit) return settle_on(attractor, std::move(*orbit));
+    if (cancelled(options)) break;  // some may have been tried in part
+    for (auto& orbit : orbits)
+      if (orbit) return std::move(orbit);
   }
-  evaluate_average(std::move(attractor.time_average), options, attractor);
+  return std::nullopt;
 }
 
-/// Laminar phase of the motion that was averaged from `begin` on. Null if there cannot be one.
-std::optional<LaminarPhase> lingering(const HybridSystem& system, const Vector& p, const Vector& begin, int round,
-                                      const Attractor& attractor, const AttractorOptions& options) {
-  const double T = period_time(system, p, attractor.time_average);
-  if (attractor.type == AttractorType::periodic || attractor.time_average.stop == LyapunovStop::interrupted ||
-      attractor.time_average.termination != Termination::time || !may_be_laminar(attractor, round, T))
-    return std::nullopt;
-  Propagator propagator(system, p, {}, options.lyapunov.flow);
-  const int most = longest_period_tried(options, attractor.time_average.periods_each());
-  const Returns returns = close_returns(propagator, attractor.state, most, return_tolerance(options));
-  if (returns.periods.empty()) return std::nullopt;
-  LaminarPhase watch = laminar_watch(attractor, returns.periods.front(), T, options);
-  const auto stop = [&] { return cancelled(options); };
-  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
-  watch.look_back(begin, attractor.time_average.periods_each());
-  if (!carry_watched(propagator, watch, stop)) return std::nullopt;
-  return watch;
+/// Evaluates an average. (An autonomous motion may have come to an end where it does not return.)
+void take(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor) {
+  if (average.termination != Termination::no_return) return evaluate_average(std::move(average), options, attractor);
+  attractor.termination = Termination::no_return;
+  attractor.state = average.state;
+  attractor.time_average = std::move(average);
 }
 
-/// Whether the motion that was averaged from `begin` on must be continued.
-bool goes_on(const HybridSystem& system, const Vector& p, const Vector& begin, int round, const AttractorOptions& options,
-             Attractor& attractor) {
-  const std::optional<LaminarPhase> watch = lingering(system, p, begin, round, attractor, options);
-  LyapunovStop& stop = attractor.time_average.stop;
-  const bool open = attractor.type != AttractorType::periodic && stop != LyapunovStop::interrupted;
-  if (open && cancelled(options)) stop = LyapunovStop::interrupted;  // it may have to be continued
-  return watch && goes_on(*watch, system, p, round, attractor);
+/// Takes an average of a motion that is not known to be periodic and evaluates it; in fast mode, with a second one to confirm
+/// chaos. Ends at once if the motion has settled on an orbit during an average.
+MotionTask<> take_average(TaskSlot& lane, const HybridSystem& system, const Vector& p, const LyapunovOptions& averaging,
+                          const AttractorOptions& options, Attractor& attractor) {
+  if (!is_fast(options)) {
+    take(lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
+    co_return;
+  }
+  for (bool again = false;; again = true) {
+    const AverageStart start{p, attractor.state};
+    RunningAverage average(lane, system, start, averaging);
+    RefusedOrbits refused;
+    for (std::int64_t periods = first_check_of_average;; periods *= 2) {
+      const bool open = co_await average.carry(lane, periods);
+      if (!open) break;
+      const int most = longest_period_tried(options, periods);
+      OrbitSearchResult looked = co_await look(lane, system, p, average.state(), most, options, &refused);
+      if (!looked.orbit) continue;
+      settle_on(attractor, std::move(*looked.orbit));
+      co_return;
+    }
+    take(std::move(average).result(), options, attractor);
+    if (again || !needs_confirmation(options, attractor)) co_return;
+  }
+}
+
+/// Averages a motion that is not known to be periodic. Returns whether it must be continued from its new state.
+MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vector& p, int round, const LyapunovOptions& averaging,
+                         const AttractorOptions& options, Attractor& attractor) {
+  const Stop stop{options};
+  const Vector begin = attractor.state;
+  co_await take_average(lane, system, p, averaging, options, attractor);
+  if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) co_return false;
+  LyapunovSpectrum& mean = attractor.time_average;
+  // The state at an interruption means nothing: the remaining periods might have led elsewhere.
+  if (stop()) mean.stop = LyapunovStop::interrupted;
+  if (mean.stop == LyapunovStop::interrupted) co_return false;
+  const int most = longest_period_tried(options, mean.periods_each());
+  OrbitSearchResult looked;
+  if (is_fast(options))
+    looked = co_await look(lane, system, p, attractor.state, most, options);
+  else
+    looked.orbit = orbit_at_ends(system, p, mean, averaging, options);
+  if (looked.orbit) {
+    settle_on(attractor, std::move(*looked.orbit));
+    co_return false;
+  }
+  const double T = period_time(system, p, mean);
+  if (!stop() && mean.termination == Termination::time && may_be_laminar(attractor, round, T)) {
+    if (!is_fast(options)) looked.closest = co_await closest_return(lane, attractor.state, most, return_tolerance(options));
+    if (looked.closest > 0) {
+      LaminarPhase watch = laminar_watch(attractor, looked.closest, T, options);
+      co_await carry_watched(lane, watch, stop);
+      if (!stop()) {
+        watch.look_back(begin, mean.periods_each());
+        co_await carry_watched(lane, watch, stop);
+      }
+      if (!stop() && goes_on(watch, system, p, round, attractor)) co_return true;
+    }
+  }
+  if (stop()) {
+    mean.stop = LyapunovStop::interrupted;  // it may have to be continued
+    co_return false;
+  }
+  const bool too_short = attractor.type == AttractorType::undecided && !attractor.conservative && round < rounds_for_undecided;
+  co_return is_fast(options) && too_short;
+}
+
+MotionTask<> find_into(TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
+                       Attractor& attractor) {
+  attractor = co_await approach_attractor(lane, system, start.p, start.state, options);
+  co_await average_on_attractor(lane, system, start.p, attractor, options);
 }
 
 }  // namespace
 
-void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
+MotionTask<Attractor> approach_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                                         const AttractorOptions& options) {
+  const Stop stop{options};
+  Transient approach(system, p, start, options);
+  lane.set_parameters(p, alone(options));
+  do {
+    co_await carry_watched(lane, approach, stop);
+    if (approach.open()) approach.stop(Termination::interrupted);
+    if (approach.asks() == 0) continue;
+    OrbitSearchResult looked = co_await look(lane, system, p, approach.state(), approach.asks(), options, approach.passed_by());
+    approach.answer(std::move(looked.orbit));
+  } while (approach.open());
+  co_return std::move(approach).result();
+}
+
+MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
+                                  const AttractorOptions& options) {
+  lane.set_parameters(p, alone(options));
   LyapunovOptions averaging = options.lyapunov;
   averaging.significance = options.significance;  // also long enough to establish chaos
-  averaging.motions = std::max(averaging.motions, motions_in_chaos(averaging));
+  if (!is_fast(options)) averaging.motions = std::max(averaging.motions, motions_in_chaos(averaging));
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
-    const Vector begin = attractor.state;
-    average(system, p, attractor, averaging, options);
-    if (needs_confirmation(options, attractor)) average(system, p, attractor, averaging, options);
-    if (!goes_on(system, p, begin, round, options, attractor)) return;
+    const bool on = co_await average(lane, system, p, round, averaging, options, attractor);
+    if (!on || cancelled(options)) co_return;
     longer.transient = longer_transient(longer.transient);
-    attractor = approach_attractor(system, p, attractor.state, longer);
+    const Vector from = attractor.state;
+    attractor = co_await approach_attractor(lane, system, p, from, longer);
   }
   if (attractor.termination == Termination::time) average_on_orbit(system, p, attractor, options);
+}
+
+Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  Attractor out;
+  run_alone(system, options.lyapunov.flow, [&](TaskSlot& lane) -> MotionTask<> {
+    out = co_await approach_attractor(lane, system, p, start, options);
+  });
+  return out;
+}
+
+void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
+  run_alone(system, options.lyapunov.flow,
+            [&](TaskSlot& lane) { return average_on_attractor(lane, system, p, attractor, options); });
+}
+
+Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
+  Attractor out = approach_attractor(system, p, start, options);
+  average_on_attractor(system, p, out, options);
+  return out;
+}
+
+std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
+                                           const AttractorOptions& options) {
+  std::vector<Attractor> out(starts.size());
+  LaneCarrier many(system, options.lyapunov.flow);
+  TaskPool(many).run(starts.size(),
+                     [&](std::size_t i, TaskSlot& lane) { return find_into(lane, system, starts[i], options, out[i]); });
+  return out;
 }
 
 }  // namespace graze

@@ -14,6 +14,7 @@
 
 #include <graze/floquet/exponents/lyapunov.hpp>
 #include <graze/floquet/orbit/periodic_orbit.hpp>
+#include <graze/lib/tasks/task.hpp>
 
 #include <complex>
 #include <cstdint>
@@ -22,6 +23,8 @@
 #include <vector>
 
 namespace graze {
+
+class TaskSlot;
 
 enum class AttractorType { undecided, periodic, chaotic };
 
@@ -76,13 +79,20 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
                           const AttractorOptions& options = {});
 
+/// The same as tasks of a pool (TaskPool). In fast mode (AttractorOptions::recurrence > 0) and with periods_on_orbit = 0, the
+/// motion shares the SIMD lanes with those of other tasks if the lanes support the system; otherwise a Propagator carries it.
+/// The result does not depend on the other tasks. In lanes, orbits have the form given by look_for_orbit.
+MotionTask<Attractor> approach_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
+                                         const AttractorOptions& options);
+MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
+                                  const AttractorOptions& options);
+
 /// Makes `attractor` the periodic attractor given by a stable orbit.
 void settle_on(Attractor& attractor, PeriodicOrbit orbit);
 /// The same without storing the complete orbit.
 void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit);
 
-/// find_attractor from each start. The motions run together in SIMD lanes if the lanes support the oscillator,
-/// options.recurrence > 0 and options.periods_on_orbit = 0; otherwise one after the other.
+/// find_attractor from each start, as tasks of one pool.
 std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const AttractorOptions& options = {});
 

@@ -43,12 +43,6 @@ int longer_transient(int transient) {
   return 3 * std::max(transient, shortest);
 }
 
-std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
-                                            const AttractorOptions& options, RefusedOrbits* refused) {
-  if (options.recurrence > 0.0) return orbit_of_close_returns(propagator, state, max_period, return_tolerance(options), refused);
-  return settling_orbit(propagator, state, max_period, options.lyapunov.all_threads);
-}
-
 bool may_be_laminar(const Attractor& attractor, int round, double T) {
   if (attractor.time_average.conservative()) return false;  // it approaches nothing else
   return round == 0 || growth(attractor, T) * static_cast<double>(attractor.time_average.periods_each()) <= e_folds_of_rounding;

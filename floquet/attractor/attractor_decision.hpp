@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Decisions after a time average: accept it, repeat it, or continue the motion. Shared by the scalar path (attractor.cpp) and
-// the SIMD path (attractor_in_lanes.cpp).
+// Decisions after a time average: accept it, repeat it, or continue the motion.
 #pragma once
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -8,21 +7,14 @@
 
 namespace graze {
 
-class RefusedOrbits;
-
 /// Displaces a state, farther in each round. It moves the coordinates of a mechanical system, which are the first half of the
 /// states, each by a different length, and never into a barrier.
 void push_off(const HybridSystem& system, const Vector& p, int round, Vector& state);
 
 /// Transient of the next round: a motion in a laminar phase is continued a few times, each time with a longer transient.
 int longer_transient(int transient);
-/// Rounds in which the SIMD path also continues a motion left undecided by a short average: it may be on a long transient.
+/// Rounds in which the fast mode also continues a motion left undecided by a short average: it may be on a long transient.
 inline constexpr int rounds_for_undecided = 2;
-
-/// The orbit of up to max_period periods on which a motion is settling, sought during a transient or at the end of an average.
-/// `refused`: orbits that the motion was seen to pass.
-std::optional<PeriodicOrbit> look_for_orbit(Propagator& propagator, const Vector& state, int max_period,
-                                            const AttractorOptions& options, RefusedOrbits* refused = nullptr);
 
 /// Whether a motion that returns at the end of its average may be in a laminar phase. Not if it has been continued before, and
 /// its average since then lasted at least 40 e-folding times: a motion that leaves an orbit at its exponent, even from a

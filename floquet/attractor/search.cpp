@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/attractor/attractor_in_lanes.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
@@ -343,7 +343,7 @@ constexpr double settling_recurrence = 1e-4;
 MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
                        std::shared_ptr<const PeriodicOrbit>& reached) {
   if (!mode_at(system, 0.0, start.state, start.p)) co_return;
-  const Attractor attractor = co_await approach_attractor_in_lanes(lane, system, start.p, start.state, settling);
+  const Attractor attractor = co_await approach_attractor(lane, system, start.p, start.state, settling);
   reached = attractor.orbit;
 }
 

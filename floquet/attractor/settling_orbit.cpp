@@ -37,7 +37,7 @@ constexpr double max_growth_of_return = 30.0;
 /// attempts.
 constexpr int quick_halvings = 6;
 
-/// Number of returns that orbit_of_close_returns tries.
+/// Number of returns that look_for_orbit tries.
 constexpr std::size_t most_tries = 3;
 
 /// A motion near an orbit, carried until it is known whether it approaches the orbit.
@@ -184,25 +184,6 @@ std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector&
   return orbit;
 }
 
-Returns close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness) {
-  Returns out{stroboscopic_states(propagator, state, static_cast<std::size_t>(std::max(0, max_period)) + 1), {}};
-  out.periods = returns_of(out.states, nearness, max_period);
-  return out;
-}
-
-std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness,
-                                                    RefusedOrbits* refused) {
-  if (auto rest = resting_orbit(propagator, state)) return rest;
-  RefusedOrbits own;
-  const Returns returns = close_returns(propagator, state, max_period, nearness);
-  for (const int n : returns_to_try(returns.periods)) {
-    const std::vector<Vector> states(returns.states.begin(), returns.states.begin() + n);
-    if (growth_along(propagator, states) > max_growth_of_return) continue;
-    if (auto orbit = stable_orbit_near(propagator, states, refused ? *refused : own)) return orbit;
-  }
-  return std::nullopt;
-}
-
 namespace {
 
 /// Whether an orbit found in lanes may be the one on which the motion at `state` is settling.
@@ -246,6 +227,22 @@ MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lan
 
 namespace {
 
+void write(const Vector& from, Vector& to) { to = from; }
+void write(const Vector& from, StatePair& to) { to = pair_of(from); }
+
+/// The states of a motion after 0, 1, ... `periods` periods; fewer if it ends.
+template <class State> MotionTask<std::vector<State>> next_states(TaskSlot& lane, const Vector& state, int periods) {
+  std::vector<State> states(1);
+  write(state, states.front());
+  const CarriedPeriods carried = co_await lane.carry(state, static_cast<std::size_t>(std::max(0, periods)));
+  Vector end(state.size());
+  for (std::size_t k = 0; k < carried.size() && carried.termination(k) == Termination::time; ++k) {
+    carried.state(k, end);
+    write(end, states.emplace_back());
+  }
+  co_return states;
+}
+
 /// The orbit to which Newton's method converges from the states around a return, or from a guess next to a period doubling.
 MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<StatePair>& around) {
   const LanePatience patience{max_growth_of_return, quick_halvings};
@@ -255,10 +252,9 @@ MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<S
       orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, quick_halvings});
   if (const auto mu = orbit.multipliers[0]; has_doubled(orbit.states.size(), mu, around.size())) {
     const Vector begin = vector_of(around.front());
-    const std::span<const PeriodResult> periods = co_await lane.carry(begin, 3 * orbit.states.size());
-    if (periods.back().termination != Termination::time) co_return orbit;
-    std::vector<StatePair> motion = {around.front()};
-    for (const PeriodResult& period : periods) motion.push_back({period.x, period.v});
+    const int three_times = 3 * static_cast<int>(orbit.states.size());
+    const std::vector<StatePair> motion = co_await next_states<StatePair>(lane, begin, three_times);
+    if (static_cast<int>(motion.size()) <= three_times) co_return orbit;
     std::vector<StatePair> doubled = doubled_states(orbit.states, mu.real(), motion);
     if (!doubled.empty()) orbit = co_await shoot_in_lanes(lane, std::move(doubled), patience);
   }
@@ -267,9 +263,67 @@ MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<S
 
 }  // namespace
 
-MotionTask<OrbitSearchResult> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                      const Vector& state, int max_period, double nearness,
-                                                      const FlowOptions& flow, RefusedOrbits* refused) {
+namespace {
+
+/// The problem in which an orbit is sought, and the orbits that the motion was seen to pass.
+struct Search {
+  const HybridSystem& system;
+  const Vector& p;
+  const Vector& state;
+  const FlowOptions& flow;
+  RefusedOrbits& passed_by;
+};
+
+/// The stable orbit near the states around a return, if the motion approaches it: by Newton's method in lanes, which leaves
+/// delicate cases to the Propagator.
+MotionTask<std::optional<PeriodicOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<StatePair>& around) {
+  RefusedOrbits& passed_by = search.passed_by;
+  std::optional<PeriodicOrbit> found;
+  const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
+  const Verdict says = verdict(orbit, search.state);
+  if (says == Verdict::delicate) {
+    std::vector<Vector> nodes;
+    std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
+    Propagator propagator(search.system, search.p, {}, search.flow);
+    found = stable_orbit_near(propagator, nodes, passed_by);
+  } else if (says == Verdict::yes && !passed_by.knows(orbit.states, search.state)) {
+    found = co_await orbit_approached_in_lanes(lane, search.system, search.p, orbit, search.state);
+    if (!found) passed_by.add(orbit.states, search.state);
+  }
+  co_return found;
+}
+
+/// The same by the Propagator.
+MotionTask<std::optional<PeriodicOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<Vector>& around) {
+  std::optional<PeriodicOrbit> found;
+  if (!(growth_along(lane.propagator(), around) > max_growth_of_return))
+    found = stable_orbit_near(lane.propagator(), around, search.passed_by);
+  co_return found;
+}
+
+template <class State> MotionTask<OrbitSearchResult> look(TaskSlot& lane, const Search& search, int max_period, double nearness) {
+  OrbitSearchResult out;
+  const std::vector<State> states = co_await next_states<State>(lane, search.state, max_period);
+  const std::vector<int> returns = returns_of(states, nearness, max_period);
+  if (!returns.empty()) out.closest = returns.front();
+  for (const int n : returns_to_try(returns)) {
+    const std::vector<State> around(states.begin(), states.begin() + n);
+    out.orbit = co_await orbit_around(lane, search, around);
+    if (out.orbit) break;
+  }
+  co_return out;
+}
+
+}  // namespace
+
+MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness) {
+  const std::vector<Vector> states = co_await next_states<Vector>(lane, state, max_period);
+  const std::vector<int> returns = returns_of(states, nearness, max_period);
+  co_return returns.empty() ? 0 : returns.front();
+}
+
+MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
+                                             int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
   OrbitSearchResult out;
   if (may_rest(system, p, state)) {
     Propagator propagator(system, p, {}, flow);
@@ -277,30 +331,11 @@ MotionTask<OrbitSearchResult> look_for_orbit_in_lanes(TaskSlot& lane, const Hybr
     if (out.orbit) co_return out;
   }
   RefusedOrbits own;
-  RefusedOrbits& passed_by = refused ? *refused : own;
-  std::vector<StatePair> states = {pair_of(state)};
-  const std::span<const PeriodResult> periods = co_await lane.carry(state, static_cast<std::size_t>(max_period));
-  for (const PeriodResult& period : periods) {
-    if (period.termination != Termination::time) break;
-    states.push_back({period.x, period.v});
-  }
-  const std::vector<int> returns = returns_of(states, nearness, max_period);
-  if (!returns.empty()) out.closest = returns.front();
-  for (const int n : returns_to_try(returns)) {
-    const std::vector<StatePair> around(states.begin(), states.begin() + n);
-    const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
-    const Verdict says = verdict(orbit, state);
-    if (says == Verdict::delicate) {
-      std::vector<Vector> nodes;
-      std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
-      Propagator propagator(system, p, {}, flow);
-      out.orbit = stable_orbit_near(propagator, nodes, passed_by);
-    } else if (says == Verdict::yes && !passed_by.knows(orbit.states, state)) {
-      out.orbit = co_await orbit_approached_in_lanes(lane, system, p, orbit, state);
-      if (!out.orbit) passed_by.add(orbit.states, state);
-    }
-    if (out.orbit) break;
-  }
+  const Search search{system, p, state, flow, refused ? *refused : own};
+  if (lane.in_lanes())
+    out = co_await look<StatePair>(lane, search, max_period, nearness);
+  else
+    out = co_await look<Vector>(lane, search, max_period, nearness);
   co_return out;
 }
 

@@ -26,35 +26,24 @@ bool may_rest(const HybridSystem& system, const Vector& p, const Vector& state);
 /// Returns after at most this many periods need not be as close as longer ones.
 inline constexpr int short_return = 64;
 
-/// States from one state on, and the numbers of periods after which the motion returns to it, closest return first.
-struct Returns {
-  std::vector<Vector> states;
-  std::vector<int> periods;
-};
-
-/// The returns after up to max_period periods; `nearness` is relative to 1 + |x|.
-Returns close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness);
-
-/// Faster settling_orbit: tries only the few closest returns, and only those within `nearness`. `refused`: orbits that the
-/// motion was seen to pass; orbits that it passes now are added.
-std::optional<PeriodicOrbit> orbit_of_close_returns(Propagator& propagator, const Vector& state, int max_period, double nearness,
-                                                    RefusedOrbits* refused = nullptr);
-
 /// Result of a search for the orbit on which a motion is settling.
 struct OrbitSearchResult {
   std::optional<PeriodicOrbit> orbit;
   int closest = 0;  ///< periods of the closest return; 0: none
 };
 
-/// orbit_of_close_returns in lanes, at the parameters of the slot; it finds the same orbit. Except in delicate cases
-/// (lane_orbits.hpp), the orbit has no events, signature, monodromy matrix and checks. `refused`: orbits that the motion was
-/// seen to pass; orbits that it passes now are added.
-MotionTask<OrbitSearchResult> look_for_orbit_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                      const Vector& state, int max_period, double nearness,
-                                                      const FlowOptions& flow = {}, RefusedOrbits* refused = nullptr);
+/// Faster settling_orbit for a task, at the parameters of its slot: tries only the few closest returns, and only those within
+/// `nearness`, relative to 1 + |x|. In lanes, except in delicate cases (lane_orbits.hpp), the orbit has no events, signature,
+/// monodromy matrix and checks. `refused`: orbits that the motion was seen to pass; orbits that it passes now are added.
+MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
+                                             int max_period, double nearness, const FlowOptions& flow = {},
+                                             RefusedOrbits* refused = nullptr);
+
+/// Number of periods after which the motion from `state` returns most closely, among up to max_period; 0: not within `nearness`.
+MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness);
 
 /// The orbit found in lanes (with quick_halvings), if it is stable and not delicate, and the motion at `state` near it approaches
-/// it. Uses the parameters of the slot. The orbit has the form given by look_for_orbit_in_lanes.
+/// it. Uses the parameters of the slot. The orbit has the form given by look_for_orbit.
 MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
                                                                    const LaneOrbit& orbit, const Vector& state);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/exponents/averaged_motion.hpp>
 #include <graze/floquet/exponents/exponents.hpp>
+#include <graze/floquet/exponents/frame_average.hpp>
 #include <graze/floquet/exponents/lyapunov_lanes.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
@@ -204,21 +205,29 @@ std::vector<MotionStart> neighbouring_starts(std::size_t parameters, const Vecto
   return starts;
 }
 
-class LaneAverage::Motions : public Average {
+class RunningAverage::Motions : public Average {
   using Average::Average;
 };
 
-LaneAverage::LaneAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start,
-                         const LyapunovOptions& options) {
+RunningAverage::RunningAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start,
+                               const LyapunovOptions& options) {
+  if (!lane.in_lanes()) {
+    alone_ = std::make_unique<FrameAverage>(system, start, options);
+    return;
+  }
   validate(options);
   initial_mode(system, 0.0, start.state, start.p);
-  motions_ = std::make_unique<Motions>(start, lane.parameters(), options, forcing_period(system, start.p));
+  in_lanes_ = std::make_unique<Motions>(start, lane.parameters(), options, forcing_period(system, start.p));
 }
 
-LaneAverage::~LaneAverage() = default;
+RunningAverage::~RunningAverage() = default;
 
-MotionTask<bool> LaneAverage::carry(TaskSlot& lane, std::int64_t periods) {
-  Motions& average = *motions_;
+MotionTask<bool> RunningAverage::carry(TaskSlot& lane, std::int64_t periods) {
+  if (alone_) {
+    while (alone_->open() && alone_->periods() < periods) alone_->carry_interval();
+    co_return alone_->open();
+  }
+  Motions& average = *in_lanes_;
   std::vector<MotionStart> next;
   while (average.open() && average.periods() < periods) {
     if (average.cancelled()) {
@@ -234,9 +243,11 @@ MotionTask<bool> LaneAverage::carry(TaskSlot& lane, std::int64_t periods) {
   co_return average.open();
 }
 
-const Vector& LaneAverage::state() const { return motions_->state(); }
+const Vector& RunningAverage::state() const { return alone_ ? alone_->state() : in_lanes_->state(); }
 
-LyapunovSpectrum LaneAverage::result() && { return std::move(*motions_).result(); }
+LyapunovSpectrum RunningAverage::result() && {
+  return alone_ ? std::move(*alone_).result() : std::move(*in_lanes_).result();
+}
 
 LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
   validate(options);

@@ -13,6 +13,7 @@
 
 namespace graze {
 
+class FrameAverage;
 class TaskSlot;
 struct MotionStart;
 
@@ -22,13 +23,14 @@ struct MotionStart;
 /// lyapunov_spectrum does, and if LaneCarrier does not apply.
 LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
 
-/// The same at a slot of a pool, with pauses. The caller keeps the options alive.
-class LaneAverage {
+/// An average taken for a task of a pool, with pauses: in lanes as lane_spectrum, or along one motion of any other system
+/// (FrameAverage), as the slot carries its motions. The caller keeps the system and the options alive.
+class RunningAverage {
  public:
-  LaneAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
-  LaneAverage(const LaneAverage&) = delete;
-  LaneAverage& operator=(const LaneAverage&) = delete;
-  ~LaneAverage();
+  RunningAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
+  RunningAverage(const RunningAverage&) = delete;
+  RunningAverage& operator=(const RunningAverage&) = delete;
+  ~RunningAverage();
 
   /// Carries the average until it ends (false) or has averaged over this many periods (true).
   MotionTask<bool> carry(TaskSlot& lane, std::int64_t periods);
@@ -38,7 +40,8 @@ class LaneAverage {
 
  private:
   class Motions;
-  std::unique_ptr<Motions> motions_;
+  std::unique_ptr<Motions> in_lanes_;  ///< one of the two
+  std::unique_ptr<FrameAverage> alone_;
 };
 
 inline constexpr std::int64_t decorrelation_periods = 300;

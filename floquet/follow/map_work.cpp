@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/attractor/attractor_in_lanes.hpp>
+#include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/follow/map_work.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
@@ -189,9 +189,9 @@ MotionTask<> MapWork::find_point(TaskSlot& lane, const Begun& begun, MapPoint& o
   if (!begins) co_return;
   AttractorOptions finding = *begins;
   finding.lyapunov.cancelled = [this, &point] { return point.dropped || cancelled(); };
-  Attractor found = co_await approach_attractor_in_lanes(lane, system_, p, start, finding);
+  Attractor found = co_await approach_attractor(lane, system_, p, start, finding);
   if (found.termination == Termination::time && found.type != AttractorType::periodic) publish(begun, found.state);
-  co_await average_on_attractor_in_lanes(lane, system_, p, found, finding);
+  co_await average_on_attractor(lane, system_, p, found, finding);
   take(p, found, out);
 }
 

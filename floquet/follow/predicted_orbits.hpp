@@ -22,7 +22,7 @@ struct PredictedOrbit {
 /// `before`: states at phase 0 of orbits of the same period at equidistant values, the last one last; `next`: the parameters at
 /// the values that follow. Returns the orbits at the first of these, up to the first one that is not found, not stable,
 /// delicate for the lanes, or not approached by the motion from the one before. Each begins at the state that continues the one
-/// before, and has the form given by look_for_orbit_in_lanes. Empty if fewer than two orbits are known, or if the lanes do not
+/// before, and has the form given by look_for_orbit. Empty if fewer than two orbits are known, or if the lanes do not
 /// support the oscillator.
 std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
                                              const std::vector<Vector>& next, const FlowOptions& flow = {});

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/attractor_decision.hpp>
-#include <graze/floquet/attractor/attractor_in_lanes.hpp>
 #include <graze/floquet/follow/sweep_chain.hpp>
 #include <graze/floquet/orbit/returns.hpp>
-#include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
@@ -18,11 +17,6 @@ namespace {
 /// Forcing periods of a transient after which the state is published for the next value if the row before has not settled: a
 /// chaotic motion is on its attractor by then.
 constexpr int handed_on_early = 64;
-
-void add_speeds(const std::vector<EventRecord>& events, std::vector<double>& speeds) {
-  for (const EventRecord& event : events)
-    if (begins_contact(event.kind)) speeds.push_back(event.normal_speed);
-}
 
 }  // namespace
 
@@ -73,23 +67,17 @@ std::optional<SweepRow> SweepChain::known(Block& ahead, std::size_t number) cons
   return out;
 }
 
-/// The state of a possibly chaotic motion after this many forcing periods; empty if it cannot be carried so far.
+/// The state of a possibly chaotic motion after this many periods; empty if it cannot be carried so far.
 MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& lane, const Vector& p, const Vector& state, int periods) const {
   initial_mode(system_, 0.0, state, p);
-  const auto count = static_cast<std::size_t>(periods);
-  if (LaneCarrier::applies(system_, p, options_.attractor.lyapunov.flow)) {
-    lane.set_parameters(p);
-    const std::span<const PeriodResult> results = co_await lane.carry(state, count);
-    if (results.empty()) co_return state;
-    // After the end of a motion, all results have the same termination.
-    if (results.back().termination != Termination::time) co_return std::nullopt;
-    Vector end{{results.back().x, results.back().v}};
-    co_return end;
+  lane.set_parameters(p);
+  const CarriedPeriods carried = co_await lane.carry(state, static_cast<std::size_t>(periods));
+  Vector end = state;
+  if (carried.size() > 0) {
+    if (carried.termination(carried.size() - 1) != Termination::time) co_return std::nullopt;
+    carried.state(carried.size() - 1, end);
   }
-  Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
-  const std::vector<Vector> states = stroboscopic_states(propagator, state, count + 1);
-  if (states.size() <= count) co_return std::nullopt;
-  co_return states.back();
+  co_return end;
 }
 
 /// The state from which the next row starts. In a forced system it is `state`. A return lies on a guard, which may have moved
@@ -131,13 +119,13 @@ MotionTask<SweepRow> SweepChain::find(TaskSlot& lane, Begin begin, AttractorOpti
     }
   }
   const Vector from = out.end;
-  out.attractor = co_await approach_attractor_in_lanes(lane, system_, p, from, finding);
+  out.attractor = co_await approach_attractor(lane, system_, p, from, finding);
   if (begin.settled && out.attractor.type != AttractorType::periodic && out.attractor.termination == Termination::time) {
     out.end = off_guards(p, out.attractor.state);
     publish(out.end);
   }
   lane.hurry(false);
-  co_await average_on_attractor_in_lanes(lane, system_, p, out.attractor, finding);
+  co_await average_on_attractor(lane, system_, p, out.attractor, finding);
   if (out.attractor.termination == Termination::no_return) {  // perturbed like noise: rest may be unstable at the next value
     out.end = out.attractor.state;
     push_off(system_, p, 0, out.end);
@@ -152,36 +140,25 @@ MotionTask<> SweepChain::sample(TaskSlot& lane, const Vector& p, SweepRow& row) 
   const int wanted = periodic ? row.attractor.period : options_.samples;
   if (wanted < 1 || row.attractor.termination != Termination::time) co_return;
   if (periodic && (row.attractor.impacts == 0 || !row.attractor.orbit->events.empty())) {
-    add_speeds(row.attractor.orbit->events, row.impact_speeds);
-  } else if (!LaneCarrier::applies(system_, p, options_.attractor.lyapunov.flow)) {
-    sample_alone(p, static_cast<std::size_t>(wanted), row);
+    for (const EventRecord& event : row.attractor.orbit->events)
+      if (begins_contact(event.kind)) row.impact_speeds.push_back(event.normal_speed);
   } else {
     lane.set_parameters(p);
     ImpactSpeeds speeds;
-    const Vector from = row.attractor.state;
-    const std::span<const PeriodResult> periods = co_await lane.carry(from, static_cast<std::size_t>(wanted), &speeds);
+    Vector state = row.attractor.state;
+    const Vector from = state;
+    const CarriedPeriods periods = co_await lane.carry(from, static_cast<std::size_t>(wanted), &speeds);
     row.states = {from};
-    for (const PeriodResult& period : periods.first(periods.size() - 1))
-      if (period.termination == Termination::time) row.states.push_back(Vector{{period.x, period.v}});
+    for (std::size_t k = 0; k + 1 < periods.size() && periods.termination(k) == Termination::time; ++k) {
+      periods.state(k, state);
+      row.states.push_back(state);
+    }
     row.impact_speeds = speeds.list();
   }
   if (!periodic) co_return;
   row.end = off_guards(p, row.attractor.state);
   row.states = row.attractor.orbit->states;
   row.attractor.orbit.reset();
-}
-
-void SweepChain::sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const {
-  Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
-  Transition transition;
-  Vector x = row.attractor.state;
-  for (std::size_t k = 0; k < periods; ++k) {
-    row.states.push_back(x);
-    carry_period(propagator, x, {.sensitivity = Sensitivity::none, .keep_events = true}, transition);
-    if (transition.termination != Termination::time) break;
-    add_speeds(transition.events, row.impact_speeds);
-    x = transition.x1;
-  }
 }
 
 }  // namespace graze

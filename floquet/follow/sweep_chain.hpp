@@ -74,7 +74,6 @@ class SweepChain {
   Vector with_its_stop(const Begin& begin, const Vector& p) const;
   MotionTask<std::optional<Vector>> carry_on(TaskSlot& lane, const Vector& p, const Vector& state, int periods) const;
   MotionTask<> sample(TaskSlot& lane, const Vector& p, SweepRow& row) const;
-  void sample_alone(const Vector& p, std::size_t periods, SweepRow& row) const;
 
   const HybridSystem& system_;
   const SweepOptions& options_;

@@ -35,19 +35,18 @@ inline std::size_t next_batch(std::size_t carried) {
   return std::clamp(carried / (4 * shortest) * shortest, shortest, 8 * shortest);
 }
 
-/// The same for a motion in a pool.
+/// The same for the motion of a task, several periods at a time in lanes.
 template <class Watch, class Cancelled> MotionTask<bool> carry_watched(TaskSlot& lane, Watch& watch, const Cancelled& cancelled) {
   std::size_t carried = 0;
-  Vector state(2);
+  Vector state(watch.state().size());
   while (watch.open()) {
     if (cancelled()) co_return false;
-    const std::size_t stretch = next_batch(carried);
+    const std::size_t stretch = lane.in_lanes() ? next_batch(carried) : 1;
     carried += stretch;
-    const std::span<const PeriodResult> periods = co_await lane.carry(watch.state(), stretch);
-    for (const PeriodResult& period : periods) {
-      if (!watch.open()) break;
-      state << period.x, period.v;
-      watch.see(period.termination, state);
+    const CarriedPeriods periods = co_await lane.carry(watch.state(), stretch);
+    for (std::size_t k = 0; k < periods.size() && watch.open(); ++k) {
+      periods.state(k, state);
+      watch.see(periods.termination(k), state);
     }
   }
   co_return true;

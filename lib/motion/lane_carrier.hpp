@@ -86,6 +86,8 @@ class LaneCarrier {
   /// Keeps a reference to the system: keep it alive.
   explicit LaneCarrier(const HybridSystem& system, const FlowOptions& options = {}, LaneWidth width = LaneWidth::widest);
   ~LaneCarrier();
+  const HybridSystem& system() const { return *system_; }
+  const FlowOptions& options() const { return options_; }
 
   /// Adds a parameter set and returns its index. @throws std::invalid_argument if applies() is false, or if the contact law
   /// differs from that of the sets before.

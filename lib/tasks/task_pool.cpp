@@ -26,7 +26,15 @@ constexpr std::size_t long_computation = 4096;
 
 LaneCarrier& TaskSlot::motions() const { return pool_->motions_; }
 
-void TaskSlot::set_parameters(const Vector& p) {
+void TaskSlot::set_parameters(const Vector& p, bool alone) {
+  const LaneCarrier& lanes = motions();
+  if (alone || pool_->alone_ || !LaneCarrier::applies(lanes.system(), p, lanes.options())) {
+    if (!propagator_ || propagator_->parameters() != p)
+      propagator_ = std::make_unique<Propagator>(lanes.system(), p, std::vector<std::size_t>{}, lanes.options());
+    results_.clear();
+    return;
+  }
+  propagator_.reset();
   if (!own_parameters_ || p != own_) {
     pool_->store_parameters(p, own_parameters_);
     own_ = p;
@@ -45,11 +53,33 @@ TaskSlot::Carrying TaskSlot::carry(std::span<const MotionStart> motions, std::si
   return Carrying(*this);
 }
 
-TaskSlot::Carrying TaskSlot::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
-  const MotionStart start = at(state);
-  const Carrying carrying = carry({&start, 1}, periods, false);
-  runs_.front().speeds = speeds;
-  return carrying;
+TaskSlot::CarryingOne TaskSlot::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
+  if (!in_lanes()) {
+    carry_alone(state, periods, speeds);
+  } else {
+    const MotionStart start = at(state);
+    carry({&start, 1}, periods, false);
+    runs_.front().speeds = speeds;
+  }
+  return CarryingOne(*this);
+}
+
+void TaskSlot::carry_alone(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
+  Transition transition;
+  ends_.assign(periods, {});
+  Vector at = state;
+  for (std::size_t k = 0; k < periods; ++k) {
+    carry_period(*propagator_, at, {.sensitivity = Sensitivity::none, .keep_events = speeds != nullptr}, transition);
+    ends_[k] = {transition.termination, transition.x1};
+    if (transition.termination != Termination::time) {
+      std::fill(ends_.begin() + static_cast<std::ptrdiff_t>(k) + 1, ends_.end(), ends_[k]);
+      return;
+    }
+    at = transition.x1;
+    if (!speeds) continue;
+    for (const EventRecord& event : transition.events)
+      if (begins_contact(event.kind)) speeds->add(*speeds, event.normal_speed);
+  }
 }
 
 /// Resumes the task with its results.
@@ -86,6 +116,7 @@ void TaskPool::store_parameters(const Vector& p, std::optional<std::size_t>& pla
 void TaskPool::clear(TaskSlot& place) {
   if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
   place.own_parameters_.reset();
+  place.propagator_.reset();
   place.urgent_ = false;
   place.requested_periods_ = 0;
   place.results_.clear();
@@ -193,6 +224,13 @@ void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, st
     for (const auto& member : members)
       if (member->place.open_ == 0 && !member->task.ended()) member->place.resume();
   }
+}
+
+void run_alone(const HybridSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make) {
+  LaneCarrier lanes(system, options);
+  TaskPool pool(lanes);
+  pool.alone_ = true;
+  pool.run(1, [&](std::size_t, TaskSlot& slot) { return make(slot); });
 }
 
 }  // namespace graze

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // TaskPool: runs many tasks that share the SIMD lanes of one thread (LaneCarrier), each at its own pace. A long task does not
 // hold up the others, and its motion shares the lanes with theirs. The pools of several threads may exchange tasks
-// (work_sharing.hpp).
+// (work_sharing.hpp). Motions that the lanes do not support are carried by a Propagator at once, so that a task is written in
+// the same way for any system.
 #pragma once
 
 #include <graze/lib/motion/lane_carrier.hpp>
@@ -20,15 +21,52 @@ namespace graze {
 class TaskPool;
 class WorkSharing;
 
+/// End of a period carried by a Propagator.
+struct PeriodEnd {
+  Termination termination = Termination::failed;
+  Vector state;
+};
+
+/// The periods of a motion carried for a task, in the order of time. Once the motion has ended, all further ones have the same
+/// termination. Valid until the next request of the task.
+class CarriedPeriods {
+ public:
+  explicit CarriedPeriods(std::span<const PeriodResult> in_lanes) : in_lanes_(in_lanes) {}
+  explicit CarriedPeriods(std::span<const PeriodEnd> alone) : alone_(alone) {}
+
+  std::size_t size() const { return in_lanes_.size() + alone_.size(); }
+  Termination termination(std::size_t k) const { return alone_.empty() ? in_lanes_[k].termination : alone_[k].termination; }
+  /// Writes the state at the end of period k: at forcing phase 0, or right after a return.
+  void state(std::size_t k, Vector& x) const {
+    if (alone_.empty())
+      x << in_lanes_[k].x, in_lanes_[k].v;
+    else
+      x = alone_[k].state;
+  }
+  /// The results of periods carried in lanes; otherwise empty.
+  std::span<const PeriodResult> in_lanes() const { return in_lanes_; }
+
+ private:
+  std::span<const PeriodResult> in_lanes_;
+  std::span<const PeriodEnd> alone_;
+};
+
 /// A task's slot in a pool: its requests and their results.
 class TaskSlot {
  public:
   explicit TaskSlot(TaskPool& pool) : pool_(&pool) {}
 
-  /// Sets the parameters of its motions from now on. @throws std::invalid_argument if LaneCarrier does not apply.
-  void set_parameters(const Vector& p);
+  /// Sets the parameters of its motions from now on. They are carried in lanes if LaneCarrier applies there and `alone` is
+  /// false; otherwise by a Propagator.
+  void set_parameters(const Vector& p, bool alone = false);
   /// The same by the index of a parameter set of LaneCarrier.
-  void set_parameters(std::size_t known) { parameters_ = known; }
+  void set_parameters(std::size_t known) {
+    parameters_ = known;
+    propagator_.reset();
+  }
+  bool in_lanes() const { return propagator_ == nullptr; }
+  /// Carries its motions if they are not carried in lanes.
+  Propagator& propagator() const { return *propagator_; }
   std::size_t parameters() const { return parameters_; }
   LaneCarrier& motions() const;
   MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
@@ -36,10 +74,12 @@ class TaskSlot {
   void hurry(bool others_wait) { urgent_ = others_wait; }
 
   class Carrying;
-  /// co_await: the results of `periods` forcing periods of these motions at the slot's parameters, in the order of
+  class CarryingOne;
+  /// co_await: the results of `periods` forcing periods of these motions in lanes at the slot's parameters, in the order of
   /// LaneCarrier::carry. They are valid until the next request.
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
-  Carrying carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
+  /// co_await: the next `periods` periods of the motion from `state`, in lanes or not.
+  CarryingOne carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
 
  private:
   friend class TaskPool;
@@ -47,8 +87,11 @@ class TaskSlot {
     TaskSlot* place = nullptr;
   };
   void resume();
+  void carry_alone(const Vector& state, std::size_t periods, ImpactSpeeds* speeds);
 
   TaskPool* pool_;
+  std::unique_ptr<Propagator> propagator_;  ///< null: in lanes
+  std::vector<PeriodEnd> ends_;             ///< of the present request, if not in lanes
   std::optional<std::size_t> own_parameters_;
   Vector own_;
   std::size_t parameters_ = 0;
@@ -67,8 +110,17 @@ class TaskSlot::Carrying {
   void await_suspend(std::coroutine_handle<> waiting) const noexcept { place_.waiting_ = waiting; }
   std::span<const PeriodResult> await_resume() const noexcept { return place_.results_; }
 
- private:
+ protected:
   TaskSlot& place_;
+};
+
+class TaskSlot::CarryingOne : public Carrying {
+ public:
+  using Carrying::Carrying;
+  CarriedPeriods await_resume() const noexcept {
+    return place_.in_lanes() ? CarriedPeriods(std::span<const PeriodResult>(place_.results_))
+                             : CarriedPeriods(std::span<const PeriodEnd>(place_.ends_));
+  }
 };
 
 class TaskPool : RunSupply {
@@ -103,8 +155,12 @@ class TaskPool : RunSupply {
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions);
   void feed_lanes(TaskSlot::Run& run, std::size_t periods);
 
+  friend void run_alone(const HybridSystem& system, const FlowOptions& options,
+                        const std::function<MotionTask<>(TaskSlot&)>& make);
+
   LaneCarrier& motions_;
   WorkSharing* exchange_;
+  bool alone_ = false;  ///< the motions are not carried in lanes
   std::vector<std::size_t> free_parameters_;  ///< indices of unused parameter sets
   std::vector<MotionRun*> runs_;              ///< at the beginning of a turn
   std::optional<std::size_t> shared_set_;     ///< parameter set for runs that another pool shares
@@ -113,5 +169,8 @@ class TaskPool : RunSupply {
   bool tangent_ = false;                      ///< of the present turn
   std::size_t share_ = 0, left_ = 0;          ///< quotas of periods: of each run at a time, and left to all runs in the turn
 };
+
+/// Runs one task by itself; its motions are carried by a Propagator.
+void run_alone(const HybridSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make);
 
 }  // namespace graze

@@ -144,7 +144,7 @@ TEST_CASE("one motion in lanes has the exponents of the scalar computation") {
   LaneCarrier many(system);
   const auto average = [&](std::size_t k, TaskSlot& lane) -> MotionTask<> {
     lane.set_parameters(starts[k].p);
-    LaneAverage one(lane, system, starts[k], options);
+    RunningAverage one(lane, system, starts[k], options);
     const bool open = co_await one.carry(lane, 40);
     CHECK(open);
     co_await one.carry(lane, 1000);

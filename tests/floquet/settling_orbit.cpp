@@ -4,6 +4,7 @@
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
+#include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
@@ -51,22 +52,36 @@ Vector after_change(double from, double to) {
 constexpr int max_period = 8;
 constexpr double nearness = 2e-3;
 
-/// Results of each method of looking for an orbit.
-std::vector<std::optional<PeriodicOrbit>> orbits_by_each_method(const Vector& p, const Vector& start) {
-  Propagator propagator(damped_hertz(), p);
-  LaneCarrier many(damped_hertz(), {});
+/// The fast search from a state of the damped Hertz oscillator, in lanes or with the Propagator.
+std::optional<PeriodicOrbit> fast_search(const Vector& p, const Vector& start, bool in_lanes, RefusedOrbits* refused = nullptr) {
   OrbitSearchResult look;
-  TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
+  const auto task = [&](TaskSlot& lane) -> MotionTask<> {
     lane.set_parameters(p);
-    look = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness);
-  });
-  return {orbit_of_close_returns(propagator, start, max_period, nearness), look.orbit,
-          settling_orbit(damped_hertz(), p, start, max_period)};
+    CHECK(lane.in_lanes() == in_lanes);
+    look = co_await look_for_orbit(lane, damped_hertz(), p, start, max_period, nearness, {}, refused);
+  };
+  LaneCarrier many(damped_hertz(), {});
+  if (in_lanes)
+    TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) { return task(lane); });
+  else
+    run_alone(damped_hertz(), {}, task);
+  return look.orbit;
 }
 
-Returns returns_from(const Vector& p, const Vector& start) {
+/// Results of each method of looking for an orbit.
+std::vector<std::optional<PeriodicOrbit>> orbits_by_each_method(const Vector& p, const Vector& start) {
+  return {fast_search(p, start, false), fast_search(p, start, true), settling_orbit(damped_hertz(), p, start, max_period)};
+}
+
+/// The closest return, and the states before it.
+std::vector<Vector> states_of_return(const Vector& p, const Vector& start) {
+  int closest = 0;
+  run_alone(damped_hertz(), {}, [&](TaskSlot& lane) -> MotionTask<> {
+    lane.set_parameters(p);
+    closest = co_await closest_return(lane, start, max_period, nearness);
+  });
   Propagator propagator(damped_hertz(), p);
-  return close_returns(propagator, start, max_period, nearness);
+  return stroboscopic_states(propagator, start, static_cast<std::size_t>(closest));
 }
 
 }  // namespace
@@ -104,9 +119,7 @@ TEST_CASE("near a period doubling a motion is known from far off to settle on th
   // The doubled orbit of eta = 0.9195 begins to shrink at 0.91955, just past the doubling at 0.919542643. There the multiplier
   // of the 1/1 orbit is -0.99993, so that settling takes tens of thousands of periods.
   const Vector p = hertz_parameters(0.91955), start = after_change(0.9195, 0.91955);
-  const Returns returns = returns_from(p, start);
-  REQUIRE_FALSE(returns.periods.empty());
-  CHECK(returns.periods.front() == 2);
+  CHECK(states_of_return(p, start).size() == 2);
 
   const auto orbits = orbits_by_each_method(p, start);
   const Vector late = settled(p, start, 60000);
@@ -123,9 +136,8 @@ TEST_CASE("near a period doubling a motion is known from far off to settle on th
 
 TEST_CASE("between the halves of a doubled orbit no settling is found if its parent is unstable") {
   const Vector p = hertz_parameters(0.9190);
-  Propagator propagator(damped_hertz(), p);
   const Vector start = settled(p, vector({0.0, 0.0}), 3000);
-  const auto orbit = orbit_of_close_returns(propagator, start, max_period, nearness);
+  const auto orbit = fast_search(p, start, false);
   REQUIRE(orbit);
   CHECK(orbit->period == 2);
 }
@@ -134,10 +146,9 @@ TEST_CASE("beyond a period doubling a motion is known from far off to settle on 
   // The doubled orbit of eta = 0.9194 shrinks to that of 0.9195. There the 1/1 orbit (multiplier -1.0004) is unstable, since
   // 0.919542643, but Newton's method converges to it.
   const Vector p = hertz_parameters(0.9195), start = after_change(0.9194, 0.9195);
-  const Returns returns = returns_from(p, start);
-  REQUIRE_FALSE(returns.periods.empty());
-  REQUIRE(returns.periods.front() == 2);
-  const PeriodicOrbit by_newton = shoot(damped_hertz(), p, std::vector<Vector>{returns.states[0], returns.states[1]}, 2);
+  const std::vector<Vector> states = states_of_return(p, start);
+  REQUIRE(states.size() == 2);
+  const PeriodicOrbit by_newton = shoot(damped_hertz(), p, states, 2);
   CHECK((!by_newton.converged() || by_newton.period == 1));
 
   const Vector late = settled(p, start, 20000);
@@ -191,7 +202,7 @@ TEST_CASE("an orbit refused once is tested again when the motion is much closer"
     OrbitSearchResult out;
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.set_parameters(p);
-      out = co_await look_for_orbit_in_lanes(lane, damped_hertz(), p, start, max_period, nearness, {}, known);
+      out = co_await look_for_orbit(lane, damped_hertz(), p, start, max_period, nearness, {}, known);
     });
     carried = many.carried();
     return out.orbit;
@@ -206,9 +217,8 @@ TEST_CASE("an orbit refused once is tested again when the motion is much closer"
   CHECK(some < all / 2);  // most of the time is spent on checking that the motion approaches
   CHECK(look(&from_far, some));
   CHECK(some == all);
-  Propagator propagator(damped_hertz(), p);
-  CHECK_FALSE(orbit_of_close_returns(propagator, start, max_period, nearness, &from_here));
-  CHECK(orbit_of_close_returns(propagator, start, max_period, nearness, &from_far));
+  CHECK_FALSE(fast_search(p, start, false, &from_here));
+  CHECK(fast_search(p, start, false, &from_far));
 }
 
 TEST_CASE("a look for an orbit records the orbits that the motion passes by") {
@@ -220,7 +230,7 @@ TEST_CASE("a look for an orbit records the orbits that the motion passes by") {
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.set_parameters(with_both());
       const OrbitSearchResult look =
-          co_await look_for_orbit_in_lanes(lane, system_with_both(), with_both(), chaotic, 12, 0.1, {}, &refused);
+          co_await look_for_orbit(lane, system_with_both(), with_both(), chaotic, 12, 0.1, {}, &refused);
       CHECK_FALSE(look.orbit);
     });
     INFO((again ? "again" : "at first"));

@@ -22,7 +22,7 @@ bool same_motion(const PeriodResult& a, const PeriodResult& b) {
 
 MotionTask<int> twice(TaskSlot& lane, int number) {
   const Vector state{{0.0, 0.1 * number}};
-  const std::span<const PeriodResult> one = co_await lane.carry(state, 1);
+  const CarriedPeriods one = co_await lane.carry(state, 1);
   if (number == 5) throw std::runtime_error("five");
   co_return 2 * number + (one.size() == 1 ? 0 : 1);
 }
@@ -152,6 +152,60 @@ TEST_CASE("computations wait for each other and an exception in one ends the poo
   pool.run(0, [&](std::size_t i, TaskSlot& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
 }
 
+TEST_CASE("a task carries its motions in lanes or by a Propagator with the same results") {
+  const char* law = GENERATE("newton", "hertz");
+  const HybridSystem system = make_oscillator("linear", law);
+  const Vector p = parameters(system, {{"eta", 0.93}}), overdamped = parameters(system, {{"b", 1.1}, {"eta", 0.93}});
+  const Vector start{{0.3, 0.4}};
+  constexpr std::size_t periods = 12;
+  struct Motion {
+    std::vector<Vector> states = {};
+    std::vector<double> speeds = {};
+  };
+  const auto carry = [&](TaskSlot& slot, const Vector& at, bool in_lanes, Motion& out) -> MotionTask<> {
+    slot.set_parameters(at);
+    CHECK(slot.in_lanes() == in_lanes);
+    ImpactSpeeds speeds;
+    const CarriedPeriods carried = co_await slot.carry(start, periods, &speeds);
+    CHECK(carried.size() == periods);
+    Vector state(2);
+    for (std::size_t k = 0; k < carried.size(); ++k) {
+      CHECK(carried.termination(k) == Termination::time);
+      carried.state(k, state);
+      out.states.push_back(state);
+    }
+    out.speeds = speeds.list();
+  };
+  Motion lanes, alone, other, other_alone;
+  LaneCarrier many(system);
+  TaskPool(many).run(2, [&](std::size_t i, TaskSlot& slot) {
+    return i == 0 ? carry(slot, p, true, lanes) : carry(slot, overdamped, false, other);
+  });
+  run_alone(system, {}, [&](TaskSlot& slot) { return carry(slot, p, false, alone); });
+  run_alone(system, {}, [&](TaskSlot& slot) { return carry(slot, overdamped, false, other_alone); });
+  REQUIRE(lanes.states.size() == periods);
+  REQUIRE(alone.states.size() == periods);
+  for (std::size_t k = 0; k < periods; ++k) CHECK((lanes.states[k] - alone.states[k]).norm() < 1e-9);
+  REQUIRE(lanes.speeds.size() > 5);
+  REQUIRE(lanes.speeds.size() == alone.speeds.size());
+  for (std::size_t i = 0; i < lanes.speeds.size(); ++i) CHECK(lanes.speeds[i] == Approx(alone.speeds[i]).epsilon(1e-8));
+  CHECK(other.states == other_alone.states);
+  CHECK((other.states.back() - alone.states.back()).norm() > 1e-3);
+}
+
+TEST_CASE("the periods of a motion that ends have the termination of its end") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector inside_barrier{{5.0, 0.0}}, rest{{0.0, 0.0}};
+  run_alone(system, {}, [&](TaskSlot& slot) -> MotionTask<> {
+    slot.set_parameters(parameters(system, {}));
+    const CarriedPeriods carried = co_await slot.carry(inside_barrier, 3);
+    CHECK(carried.size() == 3);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(carried.termination(k) != Termination::time);
+    const CarriedPeriods none = co_await slot.carry(rest, 0);
+    CHECK(none.size() == 0);
+  });
+}
+
 TEST_CASE("with a table of contacts the result of a computation does not depend on the others") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}});
@@ -228,12 +282,12 @@ TEST_CASE("of many computations the longest one gets ahead of the others and kee
       ImpactSpeeds list;
       const bool written = first && own % (2 * together) == 0;
       const std::size_t periods = first && own == 0 ? 4 * together : together;  // so that this one has lasted longest
-      const std::span<const PeriodResult> next = co_await lane.carry(at, periods, written ? &list : nullptr);
-      at << next.back().x, next.back().v;
+      const CarriedPeriods next = co_await lane.carry(at, periods, written ? &list : nullptr);
+      next.state(periods - 1, at);
       own += periods;
       (first ? of_first : of_others) += periods;
       speeds += list.list().size();
-      for (const PeriodResult& period : next) impacts += written ? static_cast<std::size_t>(period.impacts) : 0;
+      for (const PeriodResult& period : next.in_lanes()) impacts += written ? static_cast<std::size_t>(period.impacts) : 0;
     }
   };
   LaneCarrier many(system);
