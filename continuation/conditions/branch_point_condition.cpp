@@ -82,8 +82,10 @@ LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
   if (!(std::abs(unfolding) < 1e-8)) located.newton.status = NewtonStatus::stalled;
   // Newton's method does not take its last step, so the length of that step estimates the remaining error.
   located.precision = std::abs(last_step) + 1e-13 * (1.0 + std::abs(located.u[size]));
-  const Vector finer = extended_residual(problem.with_half_steps()->zero_problem(), located.u, unfolding, b, c, nullptr);
-  if (finer.size() > 0) located.precision = std::max(located.precision, 2.0 * std::abs(row.dot(finer - F)));
+  const double by_steps = error_of_steps(problem, row, F, [&, &b = b, &c = c](BranchProblem& finer) {
+    return extended_residual(finer.zero_problem(), located.u, unfolding, b, c, nullptr);
+  });
+  located.precision = std::max(located.precision, by_steps);
   return located;
 }
 

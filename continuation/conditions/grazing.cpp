@@ -9,9 +9,6 @@ namespace graze {
 
 namespace {
 
-/// Rounding of one evaluation of the equations, relative to 1 + |x| (as for multipliers).
-constexpr double rounding = 1e-14;
-
 /// Effect of a weak contact that is more than one reset, from simulating it: the contact leads to another mode and back, or
 /// another event coincides with the touch.
 struct Passage {
@@ -388,8 +385,8 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   t = v[unknowns];
   if (located.newton.converged()) {
     if (!(located.curvature < 0.0)) located.newton.status = NewtonStatus::stalled;
-    // `rounding` is ten times the measured scatter. A truncation error below half of that is covered by it.
-    located.precision = std::max(rounding * scale * row.lpNorm<1>(), 2.0 * truncation(residual, at, row));
+    // A truncation error below half of the rounding is covered by it.
+    located.precision = std::max(rounding_of_equations * scale * row.lpNorm<1>(), 2.0 * truncation(residual, at, row));
     const double left = std::abs(last_step);  // Newton's method does not take its last step
     if (left > located.precision) located.precision += left;
   }

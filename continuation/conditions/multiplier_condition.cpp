@@ -13,10 +13,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Rounding of one evaluation of the equations, relative to 1 + |x|. The measured scatter of a period's map is a few times
-/// 1e-15.
-constexpr double rounding = 1e-14;
-
 struct Bordered {
   Complex g;
   Eigen::VectorXcd v, w;
@@ -52,20 +48,13 @@ std::pair<Eigen::VectorXcd, Eigen::VectorXcd> borders(const Eigen::MatrixXcd& K,
   return {null.left.cast<Complex>(), null.right.cast<Complex>()};
 }
 
-/// Change of the equations (H, Re g, Im g) at u if the steps of numerical flows are halved. Zero if the equations cannot be
-/// evaluated with these steps.
-Vector step_error(const BranchProblem& problem, const Vector& u, const Vector& residual, Complex g, Complex sigma,
-                  const Eigen::VectorXcd& b, const Eigen::VectorXcd& c, bool real) {
-  Vector change = Vector::Zero(residual.size() + (real ? 1 : 2));
-  const std::unique_ptr<BranchProblem> finer = problem.with_half_steps();
-  Vector there;
-  Matrix jacobian;
-  if (!finer->zero_problem().evaluate(u, there, &jacobian)) return change;
-  const Complex g_there = solve(finer->cyclic(u, sigma), b, c, real).g;
-  change.head(residual.size()) = there - residual;
-  change[residual.size()] = (g_there - g).real();
-  if (!real) change[residual.size() + 1] = (g_there - g).imag();
-  return change.allFinite() ? change : Vector::Zero(change.size());
+/// The equations (H, Re g, Im g) as one vector; without Im g if all quantities are real.
+Vector extended(const Vector& residual, Complex g, bool real) {
+  Vector F(residual.size() + (real ? 1 : 2));
+  F.head(residual.size()) = residual;
+  F[residual.size()] = g.real();
+  if (!real) F[residual.size() + 1] = g.imag();
+  return F;
 }
 
 }  // namespace
@@ -132,10 +121,15 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
   located.w = bordered.w;
   if (!located.newton.converged()) return located;
   // Effect of rounding in the equations on the parameter: the 1-norm of the parameter's row of the inverse Jacobian.
-  const Vector change = step_error(problem, located.u, residual, bordered.g, sigma, b, c, real);
-  located.precision =
-      std::max({rounding * (scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>()),
-                std::abs(last_step), 2.0 * std::abs(sensitivity.dot(change))});
+  const double noise = scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>();
+  const double by_steps =
+      error_of_steps(problem, sensitivity, extended(residual, bordered.g, real), [&](BranchProblem& finer) -> Vector {
+        Vector there;
+        Matrix jacobian;
+        if (!finer.zero_problem().evaluate(located.u, there, &jacobian)) return {};
+        return extended(there, solve(finer.cyclic(located.u, sigma), b, c, real).g, real);
+      });
+  located.precision = std::max({rounding_of_equations * noise, std::abs(last_step), by_steps});
   return located;
 }
 

@@ -15,7 +15,7 @@ namespace {
 using Scalar = std::function<double(const BranchPoint& point)>;
 
 LocatedPoint locate_zero(BranchProblem& problem, const Vector& start, const Scalar& scalar) {
-  constexpr double difference_step = 1e-6, rounding = 1e-14;
+  constexpr double difference_step = 1e-6;
   const ZeroProblem zero = problem.zero_problem();
   const Eigen::Index unknowns = problem.unknowns(), equations = unknowns - 1;
   const double scale = problem.state_scale(start);
@@ -52,14 +52,13 @@ LocatedPoint locate_zero(BranchProblem& problem, const Vector& start, const Scal
   located.newton = newton_to_rounding(located.u, linearise, {.acceptance = 1e-10, .shortest = 1e-13});
   if (!located.newton.converged()) return located;
   const double noise = scale * row.head(equations).lpNorm<1>() + g_scale * std::abs(row[equations]);
-  located.precision = rounding * noise + std::abs(last_step);
-  const std::unique_ptr<BranchProblem> finer = problem.with_half_steps();
-  Vector change;
-  if (finer->zero_problem().evaluate(located.u, change, nullptr)) {
-    Vector there(unknowns);
-    there << change, g(*finer, located.u);
-    located.precision = std::max(located.precision, 2.0 * std::abs(row.dot(there - F)));
-  }
+  const double by_steps = error_of_steps(problem, row, F, [&](BranchProblem& finer) -> Vector {
+    Vector there(unknowns), residual;
+    if (!finer.zero_problem().evaluate(located.u, residual, nullptr)) return {};
+    there << residual, g(finer, located.u);
+    return there;
+  });
+  located.precision = std::max(rounding_of_equations * noise + std::abs(last_step), by_steps);
   return located;
 }
 

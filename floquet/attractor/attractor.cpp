@@ -287,9 +287,8 @@ MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, co
 
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Attractor out;
-  run_alone(system, options.lyapunov.flow, [&](TaskSlot& lane) -> MotionTask<> {
-    out = co_await approach_attractor(lane, system, p, start, options);
-  });
+  run_alone(system, options.lyapunov.flow,
+            [&](TaskSlot& lane) -> MotionTask<> { out = co_await approach_attractor(lane, system, p, start, options); });
   return out;
 }
 

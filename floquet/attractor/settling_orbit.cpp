@@ -276,7 +276,8 @@ struct Search {
 
 /// The stable orbit near the states around a return, if the motion approaches it: by Newton's method in lanes, which leaves
 /// delicate cases to the Propagator.
-MotionTask<std::optional<PeriodicOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<StatePair>& around) {
+MotionTask<std::optional<PeriodicOrbit>> orbit_around(TaskSlot& lane, const Search& search,
+                                                      const std::vector<StatePair>& around) {
   RefusedOrbits& passed_by = search.passed_by;
   std::optional<PeriodicOrbit> found;
   const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);

@@ -245,9 +245,7 @@ MotionTask<bool> RunningAverage::carry(TaskSlot& lane, std::int64_t periods) {
 
 const Vector& RunningAverage::state() const { return alone_ ? alone_->state() : in_lanes_->state(); }
 
-LyapunovSpectrum RunningAverage::result() && {
-  return alone_ ? std::move(*alone_).result() : std::move(*in_lanes_).result();
-}
+LyapunovSpectrum RunningAverage::result() && { return alone_ ? std::move(*alone_).result() : std::move(*in_lanes_).result(); }
 
 LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
   validate(options);

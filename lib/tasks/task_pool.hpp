@@ -160,7 +160,7 @@ class TaskPool : RunSupply {
 
   LaneCarrier& motions_;
   WorkSharing* exchange_;
-  bool alone_ = false;  ///< the motions are not carried in lanes
+  bool alone_ = false;                        ///< the motions are not carried in lanes
   std::vector<std::size_t> free_parameters_;  ///< indices of unused parameter sets
   std::vector<MotionRun*> runs_;              ///< at the beginning of a turn
   std::optional<std::size_t> shared_set_;     ///< parameter set for runs that another pool shares
