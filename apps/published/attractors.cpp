@@ -26,7 +26,7 @@ std::vector<FoundAttractor> attractors_from(const Problem& problem, const std::v
     if (found.termination != Termination::time) continue;
     const bool known = std::any_of(list.begin(), list.end(), [&](const FoundAttractor& other) {
       if (found.type != other.attractor.type) return false;
-      return found.type != AttractorType::periodic || same_orbit(*found.orbit, *other.attractor.orbit);
+      return found.type != AttractorType::periodic || same_orbit(*found.orbit->whole, *other.attractor.orbit->whole);
     });
     if (!known) list.push_back({start.origin, std::move(found)});
   }

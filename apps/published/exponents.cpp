@@ -112,7 +112,7 @@ class ExponentComparison {
     if (is_described(attractor, item_.attractor)) return;
     std::string there = attractor_name(attractor);
     if (attractor.orbit && attractor.impacts > 0)
-      there += fmt::format(" (slowest impact {})", rounded(slowest_impact(*attractor.orbit), 2));
+      there += fmt::format(" (slowest impact {})", rounded(slowest_impact(*attractor.orbit->whole), 2));
     add_remark(row.remark, fmt::format("what is there is {}, not {}", there, label(item_.attractor)));
     if (item_.attractor.type == "impactless") add_remark(row.remark, no_impactless_motion(problem_, *row.eta));
   }
@@ -128,7 +128,7 @@ class ExponentComparison {
         add_remark(row.remark,
                    fmt::format("the printed pair is that of {}, reached from {}", attractor_name(other.attractor), other.origin));
     if (attractor.orbit)
-      remark_on_branch(row, *attractor.orbit);
+      remark_on_branch(row, *attractor.orbit->whole);
     else
       remark_on_average(row, attractor);
   }

@@ -31,7 +31,7 @@ std::optional<SpecialPoint> locate_near(const Published& published, const Publis
     if (!attractor.orbit) continue;
     ContinuationOptions following;
     following.cancelled = cancelled;
-    const LocateResult found = locate(problem.system, *attractor.orbit, point_type(item.type), item.eta, reach, following);
+    const LocateResult found = locate(problem.system, *attractor.orbit->whole, point_type(item.type), item.eta, reach, following);
     if (found.point && (!best || std::abs(found.point->value - item.eta) < std::abs(best->value - item.eta))) best = found.point;
   }
   return best;

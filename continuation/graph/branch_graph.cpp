@@ -241,7 +241,7 @@ class Graph {
     if (!mode_at(system_, 0.0, end.orbit.state, p)) return;
     const Attractor attractor = approach_attractor(system_, p, end.orbit.state, settling);
     if (!attractor.orbit || attractor.orbit->isolated_impacts >= attractor.orbit->impacts) return;
-    add_seed({at_nodes(*attractor.orbit)}, generation);
+    add_seed({at_nodes(*attractor.orbit->whole)}, generation);
   }
 
   /// The partner born on the grazing at the end of this branch; null if there is none.

@@ -197,7 +197,7 @@ class SeedFinder {
         if (attractor.termination != Termination::time) continue;
         // A return lies on a guard, which may move with the parameter value.
         std::optional<PeriodicOrbit> orbit;
-        if (attractor.orbit) orbit = at_nodes(*attractor.orbit);
+        if (attractor.orbit) orbit = at_nodes(*attractor.orbit->whole);
         if (way != 0) previous = orbit ? orbit->state : attractor.state;
         if (orbit) found.push_back(std::move(*orbit));
         break;

@@ -38,7 +38,7 @@ std::string_view conservative_motion_name(ConservativeMotion motion) {
   return "undecided";
 }
 
-void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
+void describe_orbit(Attractor& attractor, const StableOrbit& orbit) {
   attractor.type = AttractorType::periodic;
   attractor.termination = Termination::time;
   attractor.period = orbit.period;
@@ -47,7 +47,7 @@ void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
   attractor.rests = orbit.rests;
   attractor.conservative = orbit.conservative;
   attractor.motion = orbit.neutral() ? ConservativeMotion::neutral : ConservativeMotion::unknown;
-  attractor.state = orbit.state;
+  attractor.state = orbit.states.front();
   attractor.multipliers = orbit.multipliers.values;
   attractor.exponents = orbit.multipliers.exponents;
   if (orbit.multipliers.section == Section::autonomous) {
@@ -59,9 +59,9 @@ void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit) {
   attractor.orbit.reset();
 }
 
-void settle_on(Attractor& attractor, PeriodicOrbit orbit) {
+void settle_on(Attractor& attractor, StableOrbit orbit) {
   describe_orbit(attractor, orbit);
-  attractor.orbit = std::make_shared<const PeriodicOrbit>(std::move(orbit));
+  attractor.orbit = std::make_shared<const StableOrbit>(std::move(orbit));
 }
 
 namespace {
@@ -113,8 +113,8 @@ MotionTask<OrbitSearchResult> look(TaskSlot& lane, const HybridSystem& system, c
   OrbitSearchResult out;
   if (is_fast(options))
     out = co_await look_for_orbit(lane, system, p, state, most, return_tolerance(options), options.lyapunov.flow, refused);
-  else
-    out.orbit = settling_orbit(lane.propagator(), state, most, options.lyapunov.all_threads);
+  else if (auto orbit = settling_orbit(lane.propagator(), state, most, options.lyapunov.all_threads))
+    out.orbit = StableOrbit(std::move(*orbit));
   co_return out;
 }
 
@@ -150,8 +150,8 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
 
 /// The orbit on which one of the motions of an average has settled, sought from the end of each. One settled motion proves that
 /// the chaos was transient.
-std::optional<PeriodicOrbit> orbit_at_ends(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
-                                           const LyapunovOptions& averaging, const AttractorOptions& options) {
+std::optional<StableOrbit> orbit_at_ends(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
+                                         const LyapunovOptions& averaging, const AttractorOptions& options) {
   std::vector<Vector> ends = continued_states(system, p, average, averaging);
   if (ends.size() > 1) ends = settling_candidates(system, p, ends, options.lyapunov.flow);
   const int most = longest_period_tried(options, average.periods_each());
@@ -164,7 +164,7 @@ std::optional<PeriodicOrbit> orbit_at_ends(const HybridSystem& system, const Vec
     });
     if (cancelled(options)) break;  // some may have been tried in part
     for (auto& orbit : orbits)
-      if (orbit) return std::move(orbit);
+      if (orbit) return StableOrbit(std::move(*orbit));
   }
   return std::nullopt;
 }

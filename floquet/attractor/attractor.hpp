@@ -13,7 +13,7 @@
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
-#include <graze/floquet/orbit/periodic_orbit.hpp>
+#include <graze/floquet/orbit/stable_orbit.hpp>
 #include <graze/lib/tasks/task.hpp>
 
 #include <complex>
@@ -61,8 +61,8 @@ struct Attractor {
   ConservativeMotion motion = ConservativeMotion::unknown;
   Vector state;                                   ///< on the attractor, at forcing phase 0
   std::vector<std::complex<double>> multipliers;  ///< of a periodic attractor
-  /// The complete orbit. Null if there is none, or if only the fields above were kept (there may be a million attractors).
-  std::shared_ptr<const PeriodicOrbit> orbit;
+  /// The orbit. Null if there is none, or if only the fields above were kept (there may be a million attractors).
+  std::shared_ptr<const StableOrbit> orbit;
   std::vector<double> exponents, standard_errors;  ///< periodic: from the multipliers, without error
   LyapunovSpectrum time_average;
   Termination termination = Termination::failed;  ///< of the transient; time: success
@@ -81,16 +81,16 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
 
 /// The same as tasks of a pool (TaskPool). In fast mode (AttractorOptions::recurrence > 0) and with periods_on_orbit = 0, the
 /// motion shares the SIMD lanes with those of other tasks if the lanes support the system; otherwise a Propagator carries it.
-/// The result does not depend on the other tasks. In lanes, orbits have the form given by look_for_orbit.
+/// The result does not depend on the other tasks. Orbits found in lanes are not whole.
 MotionTask<Attractor> approach_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                          const AttractorOptions& options);
 MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
                                   const AttractorOptions& options);
 
-/// Makes `attractor` the periodic attractor given by a stable orbit.
-void settle_on(Attractor& attractor, PeriodicOrbit orbit);
-/// The same without storing the complete orbit.
-void describe_orbit(Attractor& attractor, const PeriodicOrbit& orbit);
+/// Makes `attractor` the periodic attractor that a stable orbit is.
+void settle_on(Attractor& attractor, StableOrbit orbit);
+/// The same without storing the orbit.
+void describe_orbit(Attractor& attractor, const StableOrbit& orbit);
 
 /// find_attractor from each start, as tasks of one pool.
 std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,

@@ -2,6 +2,7 @@
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
+#include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
 #include <fmt/format.h>
@@ -341,7 +342,7 @@ void check_box(const HybridSystem& system, const Vector& lower, const Vector& up
 constexpr double settling_recurrence = 1e-4;
 
 MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
-                       std::shared_ptr<const PeriodicOrbit>& reached) {
+                       std::shared_ptr<const StableOrbit>& reached) {
   if (!mode_at(system, 0.0, start.state, start.p)) co_return;
   const Attractor attractor = co_await approach_attractor(lane, system, start.p, start.state, settling);
   reached = attractor.orbit;
@@ -358,21 +359,23 @@ std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std:
   settling.periods_on_orbit = 0;
   settling.lyapunov.cancelled = options.cancelled;
   settling.lyapunov.flow = options.shooting.flow;
-  std::vector<std::shared_ptr<const PeriodicOrbit>> reached(starts.size());
+  std::vector<std::shared_ptr<const StableOrbit>> reached(starts.size());
   LaneCarrier many(system, options.shooting.flow);
   TaskPool pool(many);
   pool.run(starts.size(),
            [&](std::size_t i, TaskSlot& lane) { return settle_to(lane, system, starts[i], settling, reached[i]); });
   std::vector<PeriodicOrbit> found;
-  for (const auto& orbit : reached) {
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const StableOrbit* const orbit = reached[i].get();
     if (!orbit) continue;
+    const Vector& p = starts[i].p;
     const auto same = [&](const PeriodicOrbit& other) {
-      return other.parameters == orbit->parameters && same_orbit(other, *orbit);
+      if (other.parameters != p || other.period != orbit->period) return false;
+      if (orbit->whole) return same_orbit(other, *orbit->whole);
+      return nearest_distance(orbit->states, other.state) < same_orbit_tolerance * (1.0 + state_size(other.state));
     };
     if (std::any_of(found.begin(), found.end(), same)) continue;
-    // An orbit from the lanes has no events.
-    PeriodicOrbit whole =
-        orbit->events.empty() ? shoot(system, orbit->parameters, orbit->states, orbit->period, options.shooting) : *orbit;
+    PeriodicOrbit whole = orbit->whole ? *orbit->whole : shoot(system, p, orbit->states, orbit->period, options.shooting);
     if (whole.converged() && whole.admissible == Admissibility::admissible) found.push_back(std::move(whole));
   }
   return found;

@@ -195,17 +195,12 @@ Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
   return orbit.stable() ? Verdict::yes : Verdict::no;
 }
 
-PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
-  PeriodicOrbit orbit;
-  orbit.parameters = p;
+StableOrbit stable_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
+  StableOrbit orbit;
   orbit.period = static_cast<int>(found.states.size());
   orbit.duration = orbit.period * forcing_period(system, p);
   for (const StatePair& state : found.states) orbit.states.push_back(vector_of(state));
-  orbit.nodes = orbit.states;
-  orbit.state = orbit.states.front();
   orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
-  orbit.newton.status = NewtonStatus::converged;
-  orbit.admissible = Admissibility::admissible;  // its stretches between nodes are free runs
   orbit.multipliers.valid = true;
   for (const auto& mu : found.multipliers) {
     orbit.multipliers.values.push_back(mu);
@@ -216,13 +211,13 @@ PeriodicOrbit plain_orbit(const HybridSystem& system, const Vector& p, const Lan
 
 }  // namespace
 
-MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                                   const LaneOrbit& orbit, const Vector& state) {
+MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                                 const LaneOrbit& orbit, const Vector& state) {
   if (verdict(orbit, state) != Verdict::yes) co_return std::nullopt;
   NearOrbit motion(orbit, state, std::abs(orbit.multipliers.front()), orbit.states.size());
   co_await carry_watched(lane, motion, never);
   if (!motion.comes_closer()) co_return std::nullopt;
-  co_return plain_orbit(system, p, orbit);
+  co_return stable_orbit(system, p, orbit);
 }
 
 namespace {
@@ -274,19 +269,23 @@ struct Search {
   RefusedOrbits& passed_by;
 };
 
+std::optional<StableOrbit> whole(std::optional<PeriodicOrbit> orbit) {
+  if (!orbit) return std::nullopt;
+  return StableOrbit(std::move(*orbit));
+}
+
 /// The stable orbit near the states around a return, if the motion approaches it: by Newton's method in lanes, which leaves
 /// delicate cases to the Propagator.
-MotionTask<std::optional<PeriodicOrbit>> orbit_around(TaskSlot& lane, const Search& search,
-                                                      const std::vector<StatePair>& around) {
+MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<StatePair>& around) {
   RefusedOrbits& passed_by = search.passed_by;
-  std::optional<PeriodicOrbit> found;
+  std::optional<StableOrbit> found;
   const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
   const Verdict says = verdict(orbit, search.state);
   if (says == Verdict::delicate) {
     std::vector<Vector> nodes;
     std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
     Propagator propagator(search.system, search.p, {}, search.flow);
-    found = stable_orbit_near(propagator, nodes, passed_by);
+    found = whole(stable_orbit_near(propagator, nodes, passed_by));
   } else if (says == Verdict::yes && !passed_by.knows(orbit.states, search.state)) {
     found = co_await orbit_approached_in_lanes(lane, search.system, search.p, orbit, search.state);
     if (!found) passed_by.add(orbit.states, search.state);
@@ -295,10 +294,10 @@ MotionTask<std::optional<PeriodicOrbit>> orbit_around(TaskSlot& lane, const Sear
 }
 
 /// The same by the Propagator.
-MotionTask<std::optional<PeriodicOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<Vector>& around) {
-  std::optional<PeriodicOrbit> found;
+MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<Vector>& around) {
+  std::optional<StableOrbit> found;
   if (!(growth_along(lane.propagator(), around) > max_growth_of_return))
-    found = stable_orbit_near(lane.propagator(), around, search.passed_by);
+    found = whole(stable_orbit_near(lane.propagator(), around, search.passed_by));
   co_return found;
 }
 
@@ -328,7 +327,7 @@ MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem&
   OrbitSearchResult out;
   if (may_rest(system, p, state)) {
     Propagator propagator(system, p, {}, flow);
-    out.orbit = resting_orbit(propagator, state);
+    out.orbit = whole(resting_orbit(propagator, state));
     if (out.orbit) co_return out;
   }
   RefusedOrbits own;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <graze/floquet/orbit/lane_orbits.hpp>
+#include <graze/floquet/orbit/stable_orbit.hpp>
 
 #include <optional>
 #include <vector>
@@ -28,13 +29,13 @@ inline constexpr int short_return = 64;
 
 /// Result of a search for the orbit on which a motion is settling.
 struct OrbitSearchResult {
-  std::optional<PeriodicOrbit> orbit;
+  std::optional<StableOrbit> orbit;
   int closest = 0;  ///< periods of the closest return; 0: none
 };
 
 /// Faster settling_orbit for a task, at the parameters of its slot: tries only the few closest returns, and only those within
-/// `nearness`, relative to 1 + |x|. In lanes, except in delicate cases (lane_orbits.hpp), the orbit has no events, signature,
-/// monodromy matrix and checks. `refused`: orbits that the motion was seen to pass; orbits that it passes now are added.
+/// `nearness`, relative to 1 + |x|. In lanes, the orbit is whole only in delicate cases (lane_orbits.hpp). `refused`: orbits that
+/// the motion was seen to pass; orbits that it passes now are added.
 MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                              int max_period, double nearness, const FlowOptions& flow = {},
                                              RefusedOrbits* refused = nullptr);
@@ -43,9 +44,9 @@ MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem&
 MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness);
 
 /// The orbit found in lanes (with quick_halvings), if it is stable and not delicate, and the motion at `state` near it approaches
-/// it. Uses the parameters of the slot. The orbit has the form given by look_for_orbit.
-MotionTask<std::optional<PeriodicOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                                   const LaneOrbit& orbit, const Vector& state);
+/// it. Uses the parameters of the slot. The orbit is not whole.
+MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                                 const LaneOrbit& orbit, const Vector& state);
 
 /// The states from which a motion may be settling on a stable orbit: the tangent does not keep growing. In chaos it does;
 /// testing all states for this costs less than running settling_orbit on a few. All states have the same parameters. Runs in

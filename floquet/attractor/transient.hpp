@@ -73,7 +73,7 @@ class Transient {
   int asks() const { return asks_; }
   /// The orbits that the motion was seen to pass at its returns. Null at the end of the transient, when all are tried again.
   RefusedOrbits* passed_by() { return at_end() ? nullptr : &passed_by_; }
-  void answer(std::optional<PeriodicOrbit> orbit) {
+  void answer(std::optional<StableOrbit> orbit) {
     if (!orbit && broken_) return stop(Termination::event_limit);
     open_ = !orbit && !at_end();
     asks_ = 0;

@@ -289,7 +289,7 @@ class Search {
 
   void enter_orbit(Run& run) {
     Attractor attractor;
-    settle_on(attractor, std::move(*run.orbit));
+    settle_on(attractor, StableOrbit(std::move(*run.orbit)));
     run.orbit.reset();
     enter(run, std::move(attractor));
   }

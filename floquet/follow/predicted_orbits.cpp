@@ -73,12 +73,12 @@ LaneGuess guess_of(std::size_t parameters, const States& guess) {
 MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
                       Vector from, PredictedOrbit& reached) {
   lane.set_parameters(parameters);
-  std::optional<PeriodicOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
+  std::optional<StableOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
   if (!approached) co_return;
   reached.orbit = std::move(*approached);
   if (reached.orbit.impacts == 0) co_return;
   ImpactSpeeds speeds;
-  co_await lane.carry(reached.orbit.state, static_cast<std::size_t>(reached.orbit.period), &speeds);
+  co_await lane.carry(reached.orbit.states.front(), static_cast<std::size_t>(reached.orbit.period), &speeds);
   reached.impact_speeds = speeds.list();
 }
 
@@ -101,7 +101,7 @@ std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const s
     const Vector from = i == 0 ? before.back().front() : vector_of(found[i - 1].states.front());
     return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
   });
-  const auto not_reached = [](const PredictedOrbit& ahead) { return !ahead.orbit.converged(); };
+  const auto not_reached = [](const PredictedOrbit& ahead) { return ahead.orbit.states.empty(); };
   reached.erase(std::find_if(reached.begin(), reached.end(), not_reached), reached.end());
   return reached;
 }

@@ -4,7 +4,7 @@
 // approaches it: a motion followed from value to value would end there, at ten times the cost.
 #pragma once
 
-#include <graze/floquet/orbit/periodic_orbit.hpp>
+#include <graze/floquet/orbit/stable_orbit.hpp>
 #include <graze/lib/flow/flow.hpp>
 
 #include <vector>
@@ -15,14 +15,14 @@ namespace graze {
 inline constexpr std::size_t most_orbits_before = 4;
 
 struct PredictedOrbit {
-  PeriodicOrbit orbit;
+  StableOrbit orbit;
   std::vector<double> impact_speeds;  ///< of its impacts (entries into contact)
 };
 
 /// `before`: states at phase 0 of orbits of the same period at equidistant values, the last one last; `next`: the parameters at
 /// the values that follow. Returns the orbits at the first of these, up to the first one that is not found, not stable,
 /// delicate for the lanes, or not approached by the motion from the one before. Each begins at the state that continues the one
-/// before, and has the form given by look_for_orbit. Empty if fewer than two orbits are known, or if the lanes do not
+/// before. Empty if fewer than two orbits are known, or if the lanes do not
 /// support the oscillator.
 std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
                                              const std::vector<Vector>& next, const FlowOptions& flow = {});

@@ -139,10 +139,11 @@ MotionTask<> SweepChain::sample(TaskSlot& lane, const Vector& p, SweepRow& row) 
   const bool periodic = row.attractor.type == AttractorType::periodic;
   const int wanted = periodic ? row.attractor.period : options_.samples;
   if (wanted < 1 || row.attractor.termination != Termination::time) co_return;
-  if (periodic && (row.attractor.impacts == 0 || !row.attractor.orbit->events.empty())) {
-    for (const EventRecord& event : row.attractor.orbit->events)
+  const PeriodicOrbit* const whole = periodic ? row.attractor.orbit->whole.get() : nullptr;
+  if (whole) {
+    for (const EventRecord& event : whole->events)
       if (begins_contact(event.kind)) row.impact_speeds.push_back(event.normal_speed);
-  } else {
+  } else if (!periodic || row.attractor.impacts > 0) {
     lane.set_parameters(p);
     ImpactSpeeds speeds;
     Vector state = row.attractor.state;

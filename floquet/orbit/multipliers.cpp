@@ -258,6 +258,11 @@ int FloquetMultipliers::unstable() const {
   return static_cast<int>(std::count_if(values.begin(), end, [](const auto& mu) { return std::abs(mu) > 1.0; }));
 }
 
+bool FloquetMultipliers::neutral() const {
+  return valid &&
+         std::all_of(values.begin(), values.end(), [](const auto& mu) { return std::abs(std::abs(mu) - 1.0) < on_unit_circle; });
+}
+
 FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
   FloquetMultipliers result;
   result.section = whole.section;

@@ -29,6 +29,9 @@ struct MonodromyMatrix {
   Matrix product() const;
 };
 
+/// Two multipliers that meet on the unit circle move by the square root of the rounding error.
+inline constexpr double on_unit_circle = 1e-7;
+
 struct FloquetMultipliers {
   Section section = Section::stroboscopic;
   int trivial = 0;  ///< trivial multipliers (+1) in `values`, at its end: along an autonomous orbit, of held places
@@ -39,6 +42,8 @@ struct FloquetMultipliers {
   /// Number of nontrivial multipliers outside the unit circle.
   int unstable() const;
   bool stable() const { return valid && unstable() == 0; }
+  /// All on the unit circle.
+  bool neutral() const;
 };
 
 /// Multipliers of an orbit of the given duration (dimensionless time).

@@ -45,8 +45,10 @@ struct AlignedShape {
 };
 std::optional<AlignedShape> aligned(const OrbitShape& b, const OrbitShape& a);
 
+inline constexpr double same_orbit_tolerance = 1e-8;
+
 /// True if a and b, at the same parameters, are the same orbit: they have the same period, and a state at phase 0 or else all
 /// events agree within tolerance (1 + |x|).
-bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance = 1e-8);
+bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance = same_orbit_tolerance);
 
 }  // namespace graze

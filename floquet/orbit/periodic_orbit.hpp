@@ -7,8 +7,6 @@
 #include <graze/lib/motion/trajectory.hpp>
 #include <graze/lib/numerics/newton.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace graze {
@@ -30,9 +28,6 @@ struct OrbitChecks {
   double liouville = -1.0;  ///< |sum of ln|det| - Liouville's identity|; -1: not applicable (a factor of deficient rank)
   std::optional<FiniteDifferenceCheck> finite_difference;  ///< on request
 };
-
-/// Two multipliers that meet on the unit circle move by the square root of the rounding error.
-inline constexpr double on_unit_circle = 1e-7;
 
 struct PeriodicOrbit {
   Vector parameters;
@@ -57,11 +52,7 @@ struct PeriodicOrbit {
   bool converged() const { return newton.converged(); }
   bool stable() const { return multipliers.stable(); }
   /// Elliptic, at rest, or on the border of these, and conservative: it attracts nothing, and repels nothing.
-  bool neutral() const {
-    return conservative && multipliers.valid &&
-           std::all_of(multipliers.values.begin(), multipliers.values.end(),
-                       [](const auto& mu) { return std::abs(std::abs(mu) - 1.0) < on_unit_circle; });
-  }
+  bool neutral() const { return conservative && multipliers.neutral(); }
 };
 
 }  // namespace graze

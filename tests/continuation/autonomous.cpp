@@ -40,7 +40,7 @@ HybridSystem roessler() {
 PeriodicOrbit attracting(const HybridSystem& system, const Vector& p, const Vector& x) {
   const Attractor attractor = approach_attractor(system, p, x, {});
   REQUIRE(attractor.orbit);
-  return at_nodes(*attractor.orbit);
+  return at_nodes(*attractor.orbit->whole);
 }
 
 }  // namespace
@@ -135,7 +135,7 @@ TEST_CASE("a doubled autonomous orbit is followed and attracts motions") {
   const BranchPoint& end = branches[1].points.back();
   CHECK(end.stable);
   CHECK(end.duration == Approx(attractor.orbit->duration).epsilon(1e-9));
-  const PeriodicOrbit seed = at_nodes(*attractor.orbit);
+  const PeriodicOrbit seed = at_nodes(*attractor.orbit->whole);
   CHECK(branch_contains(system, branches[1], seed.states, 6.0));
   CHECK(!branch_contains(system, branches[0], seed.states, 6.0));
   // From there the branch leads back, as one of period two.
