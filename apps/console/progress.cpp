@@ -12,7 +12,7 @@ namespace graze::apps {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds bar_interval(100);  // as fast as the eye
 constexpr std::chrono::seconds line_interval(5);        // keeps a log file short
 
@@ -20,7 +20,7 @@ constexpr std::chrono::seconds line_interval(5);        // keeps a log file shor
 
 Progress::Progress(std::ostream& err, bool quiet, std::string what)
     : err_(err), quiet_(quiet), terminal_(&err == &std::cerr && isatty(STDERR_FILENO) == 1), what_(std::move(what)),
-      next_(Clock::now()) {
+      next_(SteadyClock::now()) {
   if (terminal_)
     next_ += bar_interval;
   else
@@ -32,7 +32,7 @@ Progress::~Progress() {
 }
 
 void Progress::update(double fraction, const std::function<std::string()>& detail) {
-  if (quiet_ || Clock::now() < next_) return;
+  if (quiet_ || SteadyClock::now() < next_) return;
   const double share = std::clamp(fraction, 0.0, 1.0);
   if (terminal_) {
     constexpr int width = 24;
@@ -42,11 +42,11 @@ void Progress::update(double fraction, const std::function<std::string()>& detai
                                                          std::string(width - filled, '.'), 100.0 * share);
     err_ << "\r\033[K" << what_ << bar << "  " << detail() << std::flush;
     drawn_ = true;
-    next_ = Clock::now() + bar_interval;
+    next_ = SteadyClock::now() + bar_interval;
   } else {
     err_ << "graze: " << what_ << (fraction < 0.0 ? "" : fmt::format(", {:.0f} %", 100.0 * share)) << ": " << detail()
          << std::endl;
-    next_ = Clock::now() + line_interval;
+    next_ = SteadyClock::now() + line_interval;
   }
 }
 

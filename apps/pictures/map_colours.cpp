@@ -17,7 +17,7 @@ namespace {
 using Z = std::pair<int, int>;  // n and p of z = p/n
 
 constexpr std::size_t most_own = 9;  // number of z with colours of their own
-constexpr int longest = 8;           // longest period with a colour of its own
+constexpr int longest_own = 8;       // longest_own period with a colour of its own
 
 /// The colours of a period: light to dark by the number of impacts, and one for all other z.
 struct Hue {
@@ -76,13 +76,13 @@ std::map<Z, int> periodic_classes(const std::map<Z, std::size_t>& counts, Classe
   std::map<int, std::set<Z>> own, others;
   std::size_t taken = 0;
   for (const auto& [z, count] : list) {
-    const int period = std::min(z.first, longest + 1);
+    const int period = std::min(z.first, longest_own + 1);
     const bool has_own = taken < most_own && own[period].size() < hue_of(period).shades.size();
     (has_own ? own : others)[period].insert(z);
     if (has_own) ++taken;
   }
   std::map<Z, int> found;
-  for (int period = 1; period <= longest + 1; ++period) {
+  for (int period = 1; period <= longest_own + 1; ++period) {
     const std::vector<const char*>& shades = hue_of(period).shades;
     std::size_t k = 0;
     for (const Z& z : own[period]) {  // the shades are spread over them
@@ -90,7 +90,7 @@ std::map<Z, int> periodic_classes(const std::map<Z, std::size_t>& counts, Classe
       found[z] = classes.add(z_label(z.second, z.first), shades[shade]);
     }
     if (others[period].empty()) continue;
-    const std::string name = period > longest      ? "longer period"
+    const std::string name = period > longest_own      ? "longer period"
                              : own[period].empty() ? fmt::format("period {}", period)
                                                    : fmt::format("other z of period {}", period);
     const int index = classes.add(common_name(others[period], name), hue_of(period).others);

@@ -88,7 +88,7 @@ Picture exponents_within(const Json& result, const std::array<double, 2>& x_rang
 Picture draw_exponents(const Json& result) { return exponents_within(result, range_of(result)); }
 
 /// The attractors above their exponents, on a common axis.
-Picture draw_diagram(const Json& result) {
+Picture draw_sweep_above_exponents(const Json& result) {
   Picture picture = draw_states(result);
   picture.title = "Attractors and their Lyapunov exponents";
   picture.below.push_back(exponents_below(result, range_of(result)));
@@ -122,7 +122,7 @@ Picture exponents_below(const Json& result, const std::array<double, 2>& x_range
 }
 
 PictureKind sweep_diagram_picture() {
-  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter", draw_diagram, {},
+  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter", draw_sweep_above_exponents, {},
           has_rows,        true};
 }
 

@@ -19,7 +19,7 @@ namespace graze::apps {
 
 namespace {
 
-using Columns = std::vector<std::string>;
+using Names = std::vector<std::string>;
 
 std::size_t column(const Table& table, const std::string& name) {
   const auto found = std::find(table.columns.begin(), table.columns.end(), name);
@@ -88,7 +88,7 @@ Picture draw_branches(const Table& table, const std::string& across, const std::
 }
 
 /// Whether the table has the form of `graze trajectory --csv`.
-bool is_trajectory(const Table& table) { return table.columns == Columns{"tau", "x", "v"}; }
+bool is_trajectory(const Table& table) { return table.columns == Names{"tau", "x", "v"}; }
 
 /// Whether v jumps between a row and the previous one, as at a hard impact: it changes by far more than in the adjacent steps.
 bool jumps_at(const Table& table, std::size_t row) {
@@ -100,7 +100,7 @@ bool jumps_at(const Table& table, std::size_t row) {
 
 /// The numbers of several columns. A line ends where another branch, orbit or direction begins, and where v of a trajectory
 /// jumps.
-Picture draw_columns(const Table& table, const std::string& x, const Columns& y) {
+Picture draw_columns(const Table& table, const std::string& x, const Names& y) {
   const auto numeric = [&](std::size_t i) {
     return std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return std::isfinite(number(row, i)); });
   };
@@ -115,7 +115,7 @@ Picture draw_columns(const Table& table, const std::string& x, const Columns& y)
   if (y.empty())
     for (std::size_t i = 0; i < table.columns.size(); ++i)
       if (i != across && i != part && numeric(i)) chosen.push_back(i);
-  Columns names;
+  Names names;
   for (const std::size_t i : chosen) names.push_back(table.columns[i]);
   const bool drawable = numeric(across) && std::any_of(chosen.begin(), chosen.end(), numeric);
   if (!drawable)
@@ -151,8 +151,8 @@ std::array<double, 2> axis(const Range& range, const std::string& column) {
 
 /// Whether the table has the form of `graze sweep --csv`: the parameter comes first.
 bool is_sweep(const Table& table) {
-  const Columns rest = {"direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"};
-  return !table.columns.empty() && Columns(table.columns.begin() + 1, table.columns.end()) == rest;
+  const Names rest = {"direction", "attractor", "period", "impacts", "exponent1", "exponent2", "x", "v"};
+  return !table.columns.empty() && Names(table.columns.begin() + 1, table.columns.end()) == rest;
 }
 
 Picture draw_sweep(const Table& table) {
@@ -174,7 +174,7 @@ Picture draw_sweep(const Table& table) {
 }
 
 /// Whether the table has the form of `graze attractors --csv`.
-bool is_starts(const Table& table) { return table.columns == Columns{"x", "v", "attractor", "type", "period", "impacts"}; }
+bool is_starts(const Table& table) { return table.columns == Names{"x", "v", "attractor", "type", "period", "impacts"}; }
 
 Picture draw_starts(const Table& table) {
   const std::size_t attractor = column(table, "attractor"), type = column(table, "type"), period = column(table, "period"),
@@ -228,7 +228,7 @@ Picture picture_of(const Table& table, const std::string& x, const std::vector<s
   if (!choice && is_starts(table)) return draw_starts(table);
   Picture picture = draw_columns(table, x, y);
   // Points of a section or of an attractor follow each other in time, but lines between them would have no meaning.
-  const bool section = table.columns == Columns{"x", "v"} || table.columns == Columns{"phase", "speed"};
+  const bool section = table.columns == Names{"x", "v"} || table.columns == Names{"phase", "speed"};
   if (!section && !is_sweep(table) && !is_starts(table)) return picture;
   for (Curve& curve : picture.curves) {
     curve.stroke = Stroke::dots;

@@ -53,7 +53,7 @@ std::set<std::string> versions_while(const std::string& file, const std::functio
 
 /// Environment variable with the arguments of a child process, which is this test program, and the test case that runs them.
 constexpr const char* arguments_of_child = "GRAZE_TEST_ARGUMENTS";
-constexpr const char* child = "a command in a child process with a checkpoint interval of zero";
+constexpr const char* child_case = "a command in a child process with a checkpoint interval of zero";
 
 /// Runs a command in a child process and kills it as soon as it has written a further part of its result. False: it finished.
 bool kill_on_its_way(const std::vector<std::string>& arguments, const std::string& file) {
@@ -62,7 +62,7 @@ bool kill_on_its_way(const std::vector<std::string>& arguments, const std::strin
   ::setenv(arguments_of_child, text.c_str(), 1);
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   const std::string before = read_file(file);
-  const Outcome outcome = run_shell(fmt::format("'{}' '{}'", self, child),
+  const Outcome outcome = run_shell(fmt::format("'{}' '{}'", self, child_case),
                                     [&](pid_t process) { return read_file(file) != before && ::kill(process, SIGKILL) == 0; });
   ::unsetenv(arguments_of_child);
   INFO(outcome.out << outcome.err);

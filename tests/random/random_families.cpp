@@ -418,7 +418,7 @@ TEST_CASE("continuation of random orbits agrees with closed forms and shooting i
   Plan plan;
   plan.program = GRAZE_PROGRAM;
   plan.data = GRAZE_DATA_DIR "/problems";
-  plan.cases = std::stoull(variable("GRAZE_RANDOM_CASES", "300"));
+  plan.cases = std::stoull(variable("GRAZE_RANDOM_CASES", "150"));
   plan.seed = std::stoull(variable("GRAZE_RANDOM_SEED", "1"));
   plan.most_impacts = 6;
   std::ostringstream lines;
