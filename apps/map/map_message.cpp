@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t digits = 8;  // of the number of a chunk
 
-constexpr std::string_view plain = "PF", numbered = "CD", single = "NEWHB";
+constexpr std::string_view unnumbered = "PF", numbered = "CD", single = "NEWHB";
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::string map_message(char letter, int number, std::string_view rest) {
 std::optional<MapMessage> message_from(std::string_view text) {
   if (text.empty()) return std::nullopt;
   MapMessage message{text.front(), -1, text.substr(1)};
-  if (plain.find(message.letter) != std::string_view::npos) return message;
+  if (unnumbered.find(message.letter) != std::string_view::npos) return message;
   if (single.find(message.letter) != std::string_view::npos) return message.rest.empty() ? std::optional(message) : std::nullopt;
   if (numbered.find(message.letter) == std::string_view::npos || message.rest.size() < digits) return std::nullopt;
   message.number = 0;

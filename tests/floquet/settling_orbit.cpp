@@ -53,7 +53,7 @@ constexpr int max_period = 8;
 constexpr double nearness = 2e-3;
 
 /// The fast search from a state of the damped Hertz oscillator, in lanes or with the Propagator.
-std::optional<PeriodicOrbit> fast_search(const Vector& p, const Vector& start, bool in_lanes, RefusedOrbits* refused = nullptr) {
+std::optional<StableOrbit> fast_search(const Vector& p, const Vector& start, bool in_lanes, RefusedOrbits* refused = nullptr) {
   OrbitSearchResult look;
   const auto task = [&](TaskSlot& lane) -> MotionTask<> {
     lane.set_parameters(p);
@@ -69,8 +69,15 @@ std::optional<PeriodicOrbit> fast_search(const Vector& p, const Vector& start, b
 }
 
 /// Results of each method of looking for an orbit.
-std::vector<std::optional<PeriodicOrbit>> orbits_by_each_method(const Vector& p, const Vector& start) {
-  return {fast_search(p, start, false), fast_search(p, start, true), settling_orbit(damped_hertz(), p, start, max_period)};
+std::vector<StableOrbit> orbits_by_each_method(const Vector& p, const Vector& start) {
+  const auto alone = fast_search(p, start, false), in_lanes = fast_search(p, start, true);
+  const auto exhaustive = settling_orbit(damped_hertz(), p, start, max_period);
+  REQUIRE(alone);
+  REQUIRE(in_lanes);
+  REQUIRE(exhaustive);
+  CHECK(alone->whole);
+  CHECK_FALSE(in_lanes->whole);
+  return {*alone, *in_lanes, StableOrbit(*exhaustive)};
 }
 
 /// The closest return, and the states before it.
@@ -123,14 +130,14 @@ TEST_CASE("near a period doubling a motion is known from far off to settle on th
 
   const auto orbits = orbits_by_each_method(p, start);
   const Vector late = settled(p, start, 60000);
-  for (const auto& orbit : orbits) {
-    REQUIRE(orbit);
-    CHECK(orbit->period == 1);
-    CHECK(std::abs(orbit->multipliers.values.front()) == Approx(1.0 - 7.5e-5).margin(1e-6));
-    CHECK((orbit->state - orbits.front()->state).norm() < 1e-10);
+  for (const StableOrbit& orbit : orbits) {
+    const Vector& state = orbit.states.front();
+    CHECK(orbit.period == 1);
+    CHECK(std::abs(orbit.multipliers.values.front()) == Approx(1.0 - 7.5e-5).margin(1e-6));
+    CHECK((state - orbits.front().states.front()).norm() < 1e-10);
     // The plain motion gives the same result, in a longer time.
-    CHECK((start - orbit->state).norm() > 0.01);
-    CHECK((late - orbit->state).norm() < 1e-3);
+    CHECK((start - state).norm() > 0.01);
+    CHECK((late - state).norm() < 1e-3);
   }
 }
 
@@ -152,13 +159,12 @@ TEST_CASE("beyond a period doubling a motion is known from far off to settle on 
   CHECK((!by_newton.converged() || by_newton.period == 1));
 
   const Vector late = settled(p, start, 20000);
-  for (const auto& orbit : orbits_by_each_method(p, start)) {
-    REQUIRE(orbit);
-    CHECK(orbit->period == 2);
-    CHECK(orbit->stable());
+  for (const StableOrbit& orbit : orbits_by_each_method(p, start)) {
+    CHECK(orbit.period == 2);
+    CHECK(orbit.multipliers.stable());
     // The plain motion gives the same result, in a longer time.
-    CHECK((start - orbit->state).norm() > 0.003);
-    CHECK(std::min((late - orbit->states[0]).norm(), (late - orbit->states[1]).norm()) < 1e-6);
+    CHECK((start - orbit.states.front()).norm() > 0.003);
+    CHECK(std::min((late - orbit.states[0]).norm(), (late - orbit.states[1]).norm()) < 1e-6);
   }
 }
 
