@@ -320,8 +320,8 @@ TEST_CASE("predicted orbits agree with Newton's method up to the loss of stabili
   REQUIRE(ahead.size() == 13);  // to 0.9196
   for (std::size_t k = 0; k < ahead.size(); ++k) {
     const PeriodicOrbit orbit = orbit_at(begin + (5 + static_cast<double>(k)) * step);
-    const PeriodicOrbit& found = ahead[k].orbit;
-    CHECK((found.state - orbit.state).norm() < 1e-11);
+    const StableOrbit& found = ahead[k].orbit;
+    CHECK((found.states.front() - orbit.state).norm() < 1e-11);
     CHECK(found.impacts == 1);
     CHECK(found.isolated_impacts == 1);
     for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(found.multipliers.values[i] - orbit.multipliers.values[i]) < 1e-10);
