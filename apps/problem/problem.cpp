@@ -459,7 +459,6 @@ void read_physical(TomlSection& section, Problem& problem) {
     if (!value) return;
     values[info.name] = checked(section.where(info.name), info, *value);
     from.quantities.emplace_back(info.name, *value);
-    from.units.push_back(info.unit);
   };
   for (const ParameterInfo& info : kind.quantities)
     if (info.name != "k_3" || cubic) read(info, true);

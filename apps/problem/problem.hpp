@@ -29,7 +29,6 @@ namespace graze::apps {
 struct ConvertedFrom {
   std::string excitation;
   std::vector<std::pair<std::string, double>> quantities;
-  std::vector<std::string> units;     ///< one per quantity
   double alpha = 0.0, length = 0.0;   ///< tau = alpha t, x = X / length
   std::vector<std::string> obtained;  ///< names of the parameters converted from them
   std::vector<std::string> chosen;    ///< quantities that --param made parameters of the system

@@ -119,7 +119,8 @@ std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::spa
   }
   const Eigen::FullPivLU<Matrix> CD(C * D);
   if (!CD.isInvertible()) return std::nullopt;
-  ConstraintMap map{Matrix::Identity(n, n) - D * CD.solve(C), -D * CD.solve(C_dp)};
+  ConstraintMap map{Matrix::Identity(n, n) - D * CD.solve(C), Matrix(n, parameters)};
+  if (parameters > 0) map.dp = -D * CD.solve(C_dp);
   // C dx = 0 and dx D = 0: exactly, where that makes a row or a column zero. Its rounding would be a multiplier.
   for (Eigen::Index k = 0; k < count; ++k) {
     if (const auto fixed = only_entry(Vector(C.row(k)))) map.dx.row(*fixed).setZero();
