@@ -35,6 +35,8 @@ struct Command {
 
 /// All commands, in the order in which they are listed to users.
 const std::vector<Command>& commands();
+/// Adds one from outside the library; see run_main (program.hpp). @throws std::invalid_argument if there is one of this name.
+void add_command(Command command);
 
 Command models_command();
 Command orbit_command();

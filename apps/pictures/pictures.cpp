@@ -16,9 +16,11 @@
 
 namespace graze::apps {
 
-const std::vector<PictureKind>& picture_kinds() {
+namespace {
+
+std::vector<PictureKind>& list() {
   const std::string diagram_schema = "graze.diagram/1";
-  static const std::vector<PictureKind> list = {
+  static std::vector<PictureKind> all = {
       branch_picture(),
       multipliers_picture(),
       skeleton_picture(),
@@ -43,7 +45,18 @@ const std::vector<PictureKind>& picture_kinds() {
       of_schema(sweep_picture(), diagram_schema),
       of_schema(exponents_picture(), diagram_schema),
   };
-  return list;
+  return all;
+}
+
+}  // namespace
+
+const std::vector<PictureKind>& picture_kinds() { return list(); }
+
+void add_picture_kind(PictureKind kind) {
+  const auto is_same = [&](const PictureKind& other) { return other.schema == kind.schema && other.name == kind.name; };
+  if (std::any_of(list().begin(), list().end(), is_same))
+    throw std::invalid_argument(fmt::format("{} has a picture {} already; give yours another name", kind.schema, kind.name));
+  list().push_back(std::move(kind));
 }
 
 PictureKind of_schema(PictureKind kind, const std::string& schema) {

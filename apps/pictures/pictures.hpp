@@ -29,6 +29,9 @@ struct PictureKind {
 
 /// All kinds. The first kind of a schema is its default, unless there is a kind for the command that wrote the result.
 const std::vector<PictureKind>& picture_kinds();
+/// Adds one from outside the library; see run_main (program.hpp). @throws std::invalid_argument if its schema has one of this
+/// name.
+void add_picture_kind(PictureKind kind);
 
 /// Names of the kinds of a schema.
 std::vector<std::string> picture_names(const std::string& schema);

@@ -2,6 +2,7 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/console/interrupt.hpp>
+#include <graze/apps/map/ranks.hpp>
 #include <graze/apps/program/program.hpp>
 #include <graze/apps/text/json.hpp>
 #include <graze/apps/text/number.hpp>
@@ -16,9 +17,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
+#include <iostream>
 #include <map>
 #include <new>
 #include <optional>
+#include <thread>
 
 namespace graze::apps {
 
@@ -177,6 +181,37 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
     err << name << ": " << error.what() << "\n";
     return 1;
   }
+}
+
+namespace {
+
+/// Discards all output.
+class NullBuffer : public std::streambuf {
+  int overflow(int character) override { return character; }
+  std::streamsize xsputn(const char*, std::streamsize size) override { return size; }
+};
+
+}  // namespace
+
+int run_main(int argc, char** argv, const Additions& additions) {
+  watch_interrupts();
+  try {
+    for (const Command& command : additions.commands) add_command(command);
+    for (const PictureKind& kind : additions.pictures) add_picture_kind(kind);
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "graze: " << error.what() << "\n";
+    return 2;
+  }
+  const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+  if (!is_helper()) return run_program(arguments, std::cout, std::cerr);
+  // Of several processes under mpirun, only one prints.
+  NullBuffer nowhere;
+  std::ostream silent(&nowhere);
+  const int code = run_program(arguments, silent, silent);
+  // A failure here also stops the rank that prints. The launcher would then end that rank because of this one's exit code: give
+  // it time to print first.
+  if (code != 0) std::this_thread::sleep_for(std::chrono::seconds(2));
+  return code;
 }
 
 }  // namespace graze::apps

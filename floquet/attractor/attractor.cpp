@@ -2,8 +2,9 @@
 #include <graze/floquet/attractor/attractor_decision.hpp>
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/transient.hpp>
-#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/floquet/exponents/running_average.hpp>
 #include <graze/floquet/orbit/observe.hpp>
+#include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <algorithm>
@@ -86,6 +87,12 @@ int motions_in_chaos(const LyapunovOptions& averaging) {
   return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
 }
 
+int motions_of_propagators(const LyapunovOptions& averaging) {
+  constexpr int motions = 4;
+  const bool too_short = averaging.change > 0.0 || expected_periods(averaging) < 10 * motions * decorrelation_periods;
+  return too_short ? 1 : motions;
+}
+
 int motions_in_shared_lanes(const LyapunovOptions& averaging) {
   const int alone = motions_in_chaos(averaging);
   return expected_periods(averaging) < 4 * decorrelation_periods * alone ? 1 : alone;
@@ -133,12 +140,20 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
   std::vector<Vector> states = average.others;
   states.insert(states.begin(), average.state);
   if (states.size() == 1 || average.stop == LyapunovStop::interrupted) return states;
+  const auto periods = static_cast<std::size_t>(std::max(1, in_all / averaging.motions));
+  if (!LaneCarrier::applies(system, p, averaging.flow)) {
+    in_parallel(averaging.all_threads ? states.size() : 1, [&](std::size_t part) {
+      Propagator propagator(system, p, {}, averaging.flow);
+      for (std::size_t k = part; k < states.size(); k += averaging.all_threads ? states.size() : 1)
+        states[k] = stroboscopic_states(propagator, states[k], periods + 1).back();
+    });
+    return states;
+  }
   LaneCarrier many(system, averaging.flow);
   if (averaging.all_threads) many.use_all_threads();
   const std::size_t set = many.add_parameters(p);
   std::vector<MotionStart> starts;
   for (const Vector& state : states) starts.push_back({set, state[0], state[1]});
-  const auto periods = static_cast<std::size_t>(std::max(1, in_all / averaging.motions));
   std::vector<PeriodResult> results;
   many.carry(starts, periods, false, results);
   for (std::size_t k = 0; k < states.size(); ++k) {
@@ -153,7 +168,8 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
 std::optional<StableOrbit> orbit_at_ends(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
                                          const LyapunovOptions& averaging, const AttractorOptions& options) {
   std::vector<Vector> ends = continued_states(system, p, average, averaging);
-  if (ends.size() > 1) ends = settling_candidates(system, p, ends, options.lyapunov.flow);
+  if (ends.size() > 1 && LaneCarrier::applies(system, p, options.lyapunov.flow))
+    ends = settling_candidates(system, p, ends, options.lyapunov.flow);
   const int most = longest_period_tried(options, average.periods_each());
   const std::size_t together = options.lyapunov.all_threads ? available_threads() : 1;
   for (std::size_t begin = 0; begin < ends.size() && !cancelled(options); begin += together) {
@@ -273,7 +289,10 @@ MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, co
   lane.set_parameters(p, alone(options));
   LyapunovOptions averaging = options.lyapunov;
   averaging.significance = options.significance;  // also long enough to establish chaos
-  if (!is_fast(options)) averaging.motions = std::max(averaging.motions, motions_in_chaos(averaging));
+  if (!is_fast(options))
+    averaging.motions =
+        std::max(averaging.motions, LaneCarrier::applies(system, p, averaging.flow) ? motions_in_chaos(averaging)
+                                                                                    : motions_of_propagators(averaging));
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
     const bool on = co_await average(lane, system, p, round, averaging, options, attractor);

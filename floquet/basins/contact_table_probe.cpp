@@ -2,7 +2,7 @@
 #include <graze/floquet/attractor/return_watch.hpp>
 #include <graze/floquet/basins/contact_table_probe.hpp>
 #include <graze/floquet/basins/visited_cells.hpp>
-#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/floquet/exponents/running_average.hpp>
 #include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/numerics/spread_order.hpp>
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// AveragedMotion: one motion with its first tangent vector, and the mean growth of its two directions.
+// AveragedMotion: a motion in lanes to be averaged (average.hpp), with its first tangent vector and the mean growth of its two
+// directions.
 //
 // The vector is u' = Phi u. It is normalised only when its length has left [1e-3, 1e3]. Its growth over a period is
 // ln|u'| - ln|u|, a difference of numbers below 7. The growth of the second direction is ln|det Phi| minus that of the first
 // (the same numbers as from QR).
 #pragma once
 
+#include <graze/floquet/exponents/frame_motion.hpp>
 #include <graze/lib/motion/lane_carrier.hpp>
 #include <graze/lib/numerics/batch_means.hpp>
 #include <graze/lib/numerics/log_product.hpp>
@@ -28,6 +30,7 @@ class AveragedMotion {
 
   /// Present state of the motion.
   const MotionStart& at() const { return at_; }
+  Vector state() const { return Vector{{at_.x, at_.v}}; }
   /// Means of the growth of a direction from one orthonormalisation (`interval` periods) to the next. A direction is lost if
   /// its growth was not finite (a vector that fell to zero, or NaN).
   const BatchMeans& means(std::size_t direction) const { return means_[direction]; }
@@ -42,6 +45,7 @@ class AveragedMotion {
   double liouville_residual() const { return liouville_residual_; }
   /// How the motion ended; `time`: it has not.
   Termination termination() const { return termination_; }
+  const ReturnTimes* times() const { return nullptr; }
 
  private:
   struct Growths;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Evaluation of running time averages, direction by direction (lyapunov.cpp along one motion, lyapunov_lanes.cpp along many):
+// Evaluation of running time averages (average.hpp), direction by direction:
 // whether they are precise enough, and how they are written to the result.
 #pragma once
 

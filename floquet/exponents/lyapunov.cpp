@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/exponents/frame_average.hpp>
-#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/floquet/exponents/running_average.hpp>
 #include <graze/lib/motion/lane_carrier.hpp>
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 namespace graze {
 
@@ -58,10 +56,9 @@ double kaplan_yorke_dimension(const std::vector<double>& exponents) {
 
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options) {
-  if (options.motions > 1 && LaneCarrier::applies(system, p, options.flow)) return lane_spectrum(system, {p, state}, options);
-  FrameAverage average(system, {p, state}, options);
-  while (average.open()) average.carry_interval();
-  return std::move(average).result();
+  const AverageStart start{p, state};
+  const bool in_lanes = options.motions > 1 && LaneCarrier::applies(system, p, options.flow);
+  return in_lanes ? lane_spectrum(system, start, options) : frame_spectrum(system, start, options);
 }
 
 }  // namespace graze

@@ -42,7 +42,8 @@ struct AverageStart {
 
 struct LyapunovOptions {
   int interval = 1;  ///< forcing periods between two orthonormalisations
-  /// > 1: averages over this many motions on the attractor, run together in SIMD lanes if these support the oscillator.
+  /// > 1: averages over this many motions on the attractor, run together in SIMD lanes if these support the system, or else each
+  /// by a Propagator.
   int motions = 1;
   std::int64_t aligning = 0;     ///< forcing periods without averaging at the start: the tangent vectors align
   double standard_error = 3e-4;  ///< bound for all exponents; 0: the average uses the whole budget
@@ -51,7 +52,7 @@ struct LyapunovOptions {
   std::int64_t min_periods = 2000;
   std::int64_t max_periods = 200000;  ///< total over all motions, as min_periods
   FlowOptions flow = {};
-  /// For motions > 1. all_threads: the motions, and work in lanes that classifies an attractor, use all threads of the caller's
+  /// For motions > 1. all_threads: the motions, and work that classifies an attractor, use all threads of the caller's
   /// arena (oneTBB); the result does not depend on this. table: contacts come from this precomputed table for the same
   /// parameters; the result changes by the errors of the table.
   bool all_threads = false;

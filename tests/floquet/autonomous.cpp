@@ -182,6 +182,21 @@ TEST_CASE("Roessler's attractor has its published exponents and one of them is z
   }
   CHECK(std::abs(attractor.exponents[1]) < 5.0 * attractor.standard_errors[1]);
   CHECK(attractor.time_average.liouville_residual < 1e-9);
+
+  // Over four motions: the returns of each have times of their own.
+  LyapunovOptions averaging;
+  averaging.motions = 4;
+  averaging.standard_error = 0.0;
+  averaging.max_periods = 8000;
+  const LyapunovSpectrum four = lyapunov_spectrum(system, p, attractor.state, averaging);
+  CHECK(four.others.size() == 3);
+  CHECK(four.duration / static_cast<double>(four.periods) ==
+        Approx(attractor.time_average.duration / static_cast<double>(attractor.time_average.periods)).epsilon(0.01));
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
+    CHECK(four.standard_errors[i] > 0.0);
+    CHECK(four.standard_errors[i] < 2e-3);
+    CHECK(std::abs(four.exponents[i] - published[i]) < 5.0 * four.standard_errors[i] + 1e-4);
+  }
 }
 
 TEST_CASE("standard errors over returns of different length agree with the scatter of independent runs") {

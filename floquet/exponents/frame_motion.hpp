@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// FrameAverage: Lyapunov exponents along one motion of any system, carried by a Propagator, with a frame of tangent vectors that
-// is orthonormalised every `interval` periods (formulas and sources: lyapunov.hpp).
+// FrameMotion: a motion of any system, carried by a Propagator, with a frame of tangent vectors that is orthonormalised every
+// `interval` periods (formulas and sources: lyapunov.hpp).
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
+#include <graze/lib/motion/transition.hpp>
 #include <graze/lib/numerics/batch_means.hpp>
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace graze {
@@ -57,49 +60,45 @@ class ReturnTimes {
   double last_ = 0.0;
 };
 
-/// An average that is taken interval by interval.
-class FrameAverage {
+/// A motion to be averaged (average.hpp), with a frame of as many tangent vectors as there are states.
+class FrameMotion {
  public:
-  /// Keeps references to the system and the options: keep them alive. @throws std::invalid_argument as lyapunov_spectrum does.
-  FrameAverage(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
+  /// Keeps a reference to the system: keep it alive. @throws std::invalid_argument if the start is not admissible.
+  FrameMotion(const HybridSystem& system, const AverageStart& start, const FlowOptions& flow);
 
-  /// Whether the options' rule asks for another interval.
-  bool open() const { return open_; }
-  void carry_interval();
-  std::int64_t periods() const { return out_.periods; }
-  const Vector& state() const { return out_.state; }
-  LyapunovSpectrum result() &&;
+  /// Carries the motion over the next periods. Periods that are not `counted` only turn the frame, and `parting` ones not even
+  /// that.
+  enum class Kind { counted, aligning, parting };
+  void carry(std::size_t periods, Kind kind, int interval);
+
+  const Vector& state() const { return state_; }
+  Termination termination() const { return termination_; }
+  const BatchMeans& means(std::size_t direction) const { return means_[direction]; }
+  bool lost(std::size_t direction) const { return lost_[direction]; }
+  int periods_open() const { return periods_; }
+  std::int64_t averaged() const { return averaged_; }
+  std::int64_t impacts() const { return impacts_; }
+  double log_volume() const { return log_volume_; }
+  double liouville_residual() const { return liouville_residual_; }
+  const ReturnTimes* times() const { return forced_ ? nullptr : &times_; }
 
  private:
-  /// Sums over an interval.
-  struct Interval {
-    double log_det = 0.0, liouville = 0.0, time = 0.0;
-  };
-  std::optional<Interval> carry();
-  void add(const Interval& interval);
-  void look(double largest_change);
-  void stop(LyapunovStop reason) {
-    out_.stop = reason;
-    open_ = false;
-  }
-  double interval_time() const { return forced_ ? forced_interval_ : times_.mean(); }
-  double exponent(std::size_t direction) const;
-  double standard_error(std::size_t direction) const;
+  void end_interval(int interval);
 
-  const HybridSystem& system_;
-  const LyapunovOptions& options_;
+  const HybridSystem* system_;
   bool forced_;
-  double forced_interval_;
-  Propagator propagator_;
+  std::unique_ptr<Propagator> propagator_;
   Transition transition_;
+  Vector state_;
+  Termination termination_ = Termination::time;
   TangentFrame frame_;
-  std::vector<BatchMeans> means_;  ///< of the growth of each direction in an interval
+  double log_det_ = 0.0, liouville_ = 0.0, time_ = 0.0;  ///< since the last orthonormalisation
+  int periods_ = 0;
+  std::vector<BatchMeans> means_;
   std::vector<bool> lost_;
-  std::vector<double> before_;  ///< exponents after the interval before
   ReturnTimes times_;
-  std::int64_t aligned_ = 0;
-  bool open_ = true;
-  LyapunovSpectrum out_;
+  std::int64_t averaged_ = 0, impacts_ = 0;
+  double log_volume_ = 0.0, liouville_residual_ = -1.0;
 };
 
 }  // namespace graze

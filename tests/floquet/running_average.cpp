@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Exponents averaged over several motions side by side in lanes, against one motion, with and without a table of contacts, and
-// for any number of threads.
+// Exponents averaged over several motions, in lanes or by Propagators, against one motion, with and without a table of contacts,
+// and for any number of threads.
 #include <graze/floquet/attractor/attractor.hpp>
-#include <graze/floquet/exponents/lyapunov_lanes.hpp>
+#include <graze/floquet/exponents/running_average.hpp>
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
@@ -67,6 +67,38 @@ TEST_CASE("exponents averaged with and without a table of contacts agree") {
     CHECK(joint < 1e-3);
   }
   CHECK(with_table.liouville_residual < 1e-9);
+}
+
+TEST_CASE("several motions by Propagators average over the same attractor as one, and as lanes, on any number of threads") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.711}}), state = vector({-0.379, -0.717});
+  LyapunovOptions options;
+  options.standard_error = 0.0;
+  options.interval = 2;
+  options.aligning = 100;
+  options.max_periods = 24000;
+  const LyapunovSpectrum one = frame_spectrum(system, {p, state}, options);
+  options.motions = 4;
+  const LyapunovSpectrum four = frame_spectrum(system, {p, state}, options), lanes = lane_spectrum(system, {p, state}, options);
+  CHECK(one.others.empty());
+  CHECK(four.others.size() == 3);
+  CHECK(one.periods == 24000);
+  CHECK(four.periods == 24000);
+  CHECK(four.stop == LyapunovStop::budget);
+  for (const Vector& other : four.others) CHECK((other - four.state).norm() > 1e-3);  // they have parted
+  for (const LyapunovSpectrum* other : {&one, &lanes})
+    for (std::size_t i = 0; i < 2; ++i)
+      CHECK(std::abs(four.exponents[i] - other->exponents[i]) <
+            5.0 * std::hypot(four.standard_errors[i], other->standard_errors[i]));
+  CHECK(four.standard_errors[0] == Approx(one.standard_errors[0]).epsilon(0.6));
+  CHECK(four.log_growth == Approx(lanes.log_growth).epsilon(0.1));
+  CHECK(four.liouville_residual < 1e-10);
+  options.all_threads = true;
+  LyapunovSpectrum several;
+  oneapi::tbb::task_arena(2).execute([&] { several = frame_spectrum(system, {p, state}, options); });
+  CHECK(several.exponents == four.exponents);
+  CHECK(several.standard_errors == four.standard_errors);
+  CHECK(several.others == four.others);
 }
 
 TEST_CASE("exponents averaged on all threads have identical bits") {
