@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Average: the running time average of the Lyapunov exponents over several motions on one attractor, and the rule that ends it.
-// What carries the motions is left to the caller; a Motion has
-//     state(), termination()                    its present state, and how it ended (`time`: it has not)
-//     means(i), lost(i)                         growth of direction i from one orthonormalisation to the next (BatchMeans)
-//     periods_open(), averaged(), impacts()     periods since the last orthonormalisation, averaged periods, their impacts
-//     log_volume(), liouville_residual()        Liouville's sum over these, and its largest difference from ln|det| a period
-//     times()                                   ReturnTimes of an autonomous motion, null for a forced one
+// What carries the motions is left to the caller. A Motion is a MotionGrowth with state() and with times(): ReturnTimes of an
+// autonomous motion, null for a forced one.
 #pragma once
 
 #include <graze/floquet/exponents/exponents.hpp>

@@ -57,9 +57,9 @@ double ReturnTimes::error(std::size_t direction, const BatchMeans& growth, doubl
 }
 
 FrameMotion::FrameMotion(const HybridSystem& system, const AverageStart& start, const FlowOptions& flow)
-    : system_(&system), forced_(is_forced(system)),
-      propagator_(std::make_unique<Propagator>(system, start.p, std::vector<std::size_t>{}, flow)), state_(start.state),
-      frame_(system.states), means_(system.states), lost_(system.states, false), times_(system.states) {
+    : MotionGrowth(std::vector<BatchMeans>(system.states), std::vector<bool>(system.states, false), -1.0), system_(&system),
+      forced_(is_forced(system)), propagator_(std::make_unique<Propagator>(system, start.p, std::vector<std::size_t>{}, flow)),
+      state_(start.state), frame_(system.states), times_(system.states) {
   initial_mode(system, 0.0, start.state, start.p);
 }
 

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
+#include <graze/floquet/exponents/motion_growth.hpp>
 #include <graze/lib/motion/transition.hpp>
 #include <graze/lib/numerics/batch_means.hpp>
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -61,7 +61,7 @@ class ReturnTimes {
 };
 
 /// A motion to be averaged (average.hpp), with a frame of as many tangent vectors as there are states.
-class FrameMotion {
+class FrameMotion : public MotionGrowth<std::vector<BatchMeans>, std::vector<bool>> {
  public:
   /// Keeps a reference to the system: keep it alive. @throws std::invalid_argument if the start is not admissible.
   FrameMotion(const HybridSystem& system, const AverageStart& start, const FlowOptions& flow);
@@ -72,14 +72,6 @@ class FrameMotion {
   void carry(std::size_t periods, Kind kind, int interval);
 
   const Vector& state() const { return state_; }
-  Termination termination() const { return termination_; }
-  const BatchMeans& means(std::size_t direction) const { return means_[direction]; }
-  bool lost(std::size_t direction) const { return lost_[direction]; }
-  int periods_open() const { return periods_; }
-  std::int64_t averaged() const { return averaged_; }
-  std::int64_t impacts() const { return impacts_; }
-  double log_volume() const { return log_volume_; }
-  double liouville_residual() const { return liouville_residual_; }
   const ReturnTimes* times() const { return forced_ ? nullptr : &times_; }
 
  private:
@@ -90,15 +82,9 @@ class FrameMotion {
   std::unique_ptr<Propagator> propagator_;
   Transition transition_;
   Vector state_;
-  Termination termination_ = Termination::time;
   TangentFrame frame_;
   double log_det_ = 0.0, liouville_ = 0.0, time_ = 0.0;  ///< since the last orthonormalisation
-  int periods_ = 0;
-  std::vector<BatchMeans> means_;
-  std::vector<bool> lost_;
   ReturnTimes times_;
-  std::int64_t averaged_ = 0, impacts_ = 0;
-  double log_volume_ = 0.0, liouville_residual_ = -1.0;
 };
 
 }  // namespace graze

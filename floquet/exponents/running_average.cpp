@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/exponents/average.hpp>
-#include <graze/floquet/exponents/averaged_motion.hpp>
+#include <graze/floquet/exponents/lane_motion.hpp>
 #include <graze/floquet/exponents/running_average.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
@@ -25,7 +25,7 @@ constexpr std::size_t long_for_threads = 64;
 constexpr std::size_t shortest_alone = 8;
 
 /// All motions of an average in lanes.
-class LaneMotions : public Average<AveragedMotion> {
+class LaneMotions : public Average<LaneMotion> {
  public:
   LaneMotions(const AverageStart& start, std::size_t set, const LyapunovOptions& options, double period)
       : Average(motions_from(start, set, options), 2, options, period), options_(options) {}
@@ -33,7 +33,7 @@ class LaneMotions : public Average<AveragedMotion> {
   /// Writes the present states of the motions.
   void ask(std::vector<MotionStart>& next) const {
     next.clear();
-    for (const AveragedMotion& motion : motions()) next.push_back(motion.at());
+    for (const LaneMotion& motion : motions()) next.push_back(motion.at());
   }
 
   /// Tells `many` how many periods will follow, once that is known.
@@ -47,7 +47,7 @@ class LaneMotions : public Average<AveragedMotion> {
   /// Adds the results of `periods` more periods of each motion, motion by motion.
   void take(const PeriodResult* results, std::size_t periods, std::size_t threads) {
     const bool tangents = with_tangents();
-    add(periods, [&](std::vector<AveragedMotion>& all, std::size_t begin, std::size_t count, bool counted) {
+    add(periods, [&](std::vector<LaneMotion>& all, std::size_t begin, std::size_t count, bool counted) {
       const std::size_t parts = count >= long_for_threads ? std::min(threads, all.size()) : 1;
       in_parallel(parts, [&](std::size_t part) {
         for (std::size_t i = part * all.size() / parts; i < (part + 1) * all.size() / parts; ++i) {
@@ -59,8 +59,8 @@ class LaneMotions : public Average<AveragedMotion> {
   }
 
  private:
-  static std::vector<AveragedMotion> motions_from(const AverageStart& start, std::size_t set, const LyapunovOptions& options) {
-    std::vector<AveragedMotion> motions;
+  static std::vector<LaneMotion> motions_from(const AverageStart& start, std::size_t set, const LyapunovOptions& options) {
+    std::vector<LaneMotion> motions;
     for (const MotionStart& one : neighbouring_starts(set, start.state, options.motions)) motions.emplace_back(one);
     return motions;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/exponents/averaged_motion.hpp>
+#include <graze/floquet/exponents/lane_motion.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 namespace graze {
 
 /// Buffer for the growths before they are added to the means.
-struct AveragedMotion::Growths {
+struct LaneMotion::Growths {
   std::array<std::array<double, 64>, 2> values;
   std::array<std::size_t, 2> count{};
 };
 
-double AveragedMotion::log_length() const { return 0.5 * std::log(c_ * c_ + s_ * s_); }
+double LaneMotion::log_length() const { return 0.5 * std::log(c_ * c_ + s_ * s_); }
 
-void AveragedMotion::shorten() {
+void LaneMotion::shorten() {
   const double length = std::hypot(c_, s_);
   const bool is_direction = length > 0.0 && std::isfinite(length);
   log_before_ = is_direction ? log_before_ - std::log(length) : std::numeric_limits<double>::infinity();
@@ -23,7 +23,7 @@ void AveragedMotion::shorten() {
   s_ = is_direction ? s_ / length : 0.0;
 }
 
-void AveragedMotion::end_interval(int interval, Growths& growths) {
+void LaneMotion::end_interval(int interval, Growths& growths) {
   const double log_det = det_.value(), log_now = log_length(), first = log_now - log_before_;
   const std::array<double, 2> grown = {first, (std::isfinite(log_det) ? log_det : liouville_) - first};
   for (std::size_t i = 0; i < 2; ++i) {
@@ -40,7 +40,7 @@ void AveragedMotion::end_interval(int interval, Growths& growths) {
   periods_ = 0;
 }
 
-void AveragedMotion::pass(std::span<const PeriodResult> results) {
+void LaneMotion::pass(std::span<const PeriodResult> results) {
   // If one period ends early, the later ones have the same termination.
   termination_ = results.back().termination;
   if (termination_ != Termination::time) return;
@@ -48,7 +48,7 @@ void AveragedMotion::pass(std::span<const PeriodResult> results) {
   at_.v = results.back().v;
 }
 
-void AveragedMotion::add(std::span<const PeriodResult> results, bool counted, int interval) {
+void LaneMotion::add(std::span<const PeriodResult> results, bool counted, int interval) {
   Growths growths;
   const auto to_means = [&] {
     for (std::size_t i = 0; i < 2; ++i) {
