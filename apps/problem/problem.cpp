@@ -35,7 +35,14 @@ Eigen::Index index_of(const Problem& problem, std::string_view name) {
               ? fmt::format("{} follows from the physical quantity that is varied; set that", name)
               : fmt::format("{} is an expression of other parameters in {}; set those, or give it a value there", name,
                             problem.file));
-    throw std::invalid_argument(error.what() + (is_built_in(problem) ? owner_of(name, problem.contact) : ""));
+    std::string text = error.what();
+    if (problem.converted_from) {  // the physical quantities of the file are names, too
+      std::vector<std::string> names;
+      for (const ParameterInfo& info : problem.system.parameters) names.push_back(info.name);
+      for (const auto& quantity : problem.converted_from->quantities) names.push_back(quantity.first);
+      text = unknown_name("parameter", name, names);
+    }
+    throw std::invalid_argument(text + (is_built_in(problem) ? owner_of(name, problem.contact) : ""));
   }
 }
 

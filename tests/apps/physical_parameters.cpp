@@ -95,6 +95,12 @@ TEST_CASE("a dimensionless parameter must not contradict the varied quantity") {
   CHECK_THAT(set.err, Contains("--param omega: eta is 0.9 by --set and 0.95 by [physical]"));
   const Outcome other = call({"continue", file, "--param", "omega", "--set", "b=0.04", "--to", "4.7", "--quiet"});
   CHECK(other.code == 0);
+  // The physical quantities are among the known names.
+  for (const char* option : {"--set", "--param"}) {
+    const Outcome unknown = call({"continue", file, option, option == std::string("--set") ? "omgea=4" : "omgea", "--to", "4"});
+    CHECK(unknown.code == 2);
+    CHECK_THAT(unknown.err, Contains("did you mean \"omega\""));
+  }
   // Two settings that depend on each other are refused in either order; others hold both.
   for (const std::vector<std::string>& pair :
        {std::vector<std::string>{"eta=0.9", "omega=4.75"}, {"omega=4.75", "eta=0.9"}, {"r=2", "a=0.02"}, {"b=0.2", "m=3"}}) {
