@@ -62,12 +62,12 @@ LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
       J.col(i) = (fa - fb) / (2.0 * h);
     }
     J.col(size + 1) << b, 0.0, 0.0;
-    const Eigen::PartialPivLU<Matrix> lu(J);
+    const OrbitLU<Matrix> lu(J);
     NewtonIterate at;
     at.residual = F.lpNorm<Eigen::Infinity>() / scale;
     at.step = lu.solve(-F);
     at.length = at.step.head(size + 1).lpNorm<Eigen::Infinity>() / scale;
-    row = lu.transpose().solve(Vector::Unit(size + 2, size));
+    row = lu.solve_adjoint(Vector::Unit(size + 2, size));
     last_step = at.step[size];
     return at;
   };

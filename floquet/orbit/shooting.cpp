@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/shooting.hpp>
 #include <graze/lib/motion/rest.hpp>
+#include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptio
   report.residual_history.push_back(relative(residual, u));
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     equations.jacobian(jacobian);
-    Vector step = jacobian.partialPivLu().solve(-residual);
+    Vector step = OrbitLU<Matrix>(jacobian).solve(-residual);
     if (!step.allFinite()) {
       report.status = report.residual() <= options.acceptance ? NewtonStatus::converged : NewtonStatus::singular;
       return report;
