@@ -33,8 +33,8 @@ struct OutputOptions {
   bool pictures = true;    ///< whether the results of this command have pictures
 };
 
-/// Adds --json, --csv, --plot, --out, and --plot-kind if there are several kinds of pictures of `schema`. `other`: a second
-/// schema in which the command may write its result; its kinds are allowed as well.
+/// Adds --json, --csv, --plot, --out, and --plot-kind if there are several kinds of pictures of `schema` ("orbit/1"). `other`: a
+/// second schema in which the command may write its result; its kinds are allowed as well.
 void add_output_options(CLI::App& app, OutputOptions& options, const std::string& schema, const std::string& other = {});
 
 /// Checks before anything is computed that all output files can be written, and that none overwrites another or the `input`.

@@ -43,7 +43,7 @@ Command settled_command() {
             const auto options = std::make_shared<Options>();
             add_text(app, "PROBLEM", options->file, "FILE", "the problem file", Need::required);
             add_count(app, "--periods", options->periods, 0, "length of the transient");
-            add_output_options(app, options->output, "graze.settled/1");
+            add_output_options(app, options->output, "settled/1");
             return [options](const Console& console) { return run(*options, console); };
           },
           .results = {{"settled", schema}}};
