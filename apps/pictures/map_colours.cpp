@@ -17,7 +17,7 @@ namespace {
 using Z = std::pair<int, int>;  // n and p of z = p/n
 
 constexpr std::size_t most_own = 9;  // number of z with colours of their own
-constexpr int longest_own = 8;       // longest_own period with a colour of its own
+constexpr int longest_own = 8;       // longest period with a colour of its own
 
 /// The colours of a period: light to dark by the number of impacts, and one for all other z.
 struct Hue {
@@ -90,7 +90,7 @@ std::map<Z, int> periodic_classes(const std::map<Z, std::size_t>& counts, Classe
       found[z] = classes.add(z_label(z.second, z.first), shades[shade]);
     }
     if (others[period].empty()) continue;
-    const std::string name = period > longest_own      ? "longer period"
+    const std::string name = period > longest_own  ? "longer period"
                              : own[period].empty() ? fmt::format("period {}", period)
                                                    : fmt::format("other z of period {}", period);
     const int index = classes.add(common_name(others[period], name), hue_of(period).others);

@@ -142,9 +142,10 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
   if (states.size() == 1 || average.stop == LyapunovStop::interrupted) return states;
   const auto periods = static_cast<std::size_t>(std::max(1, in_all / averaging.motions));
   if (!LaneCarrier::applies(system, p, averaging.flow)) {
-    in_parallel(averaging.all_threads ? states.size() : 1, [&](std::size_t part) {
+    const std::size_t parts = averaging.all_threads ? states.size() : 1;
+    in_parallel(parts, [&](std::size_t part) {
       Propagator propagator(system, p, {}, averaging.flow);
-      for (std::size_t k = part; k < states.size(); k += averaging.all_threads ? states.size() : 1)
+      for (std::size_t k = part; k < states.size(); k += parts)
         states[k] = stroboscopic_states(propagator, states[k], periods + 1).back();
     });
     return states;

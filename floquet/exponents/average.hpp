@@ -34,10 +34,11 @@ template <class Motion> class Average {
   const std::vector<Motion>& motions() const { return motions_; }
   std::int64_t periods() const { return out_.periods; }
   const Vector& state() const { return out_.state; }
-  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
-  void stop(LyapunovStop reason) {
-    if (open_) out_.stop = reason;
-    open_ = false;
+  /// Asks whether the average is cancelled, which ends it.
+  bool cancelled() {
+    if (!options_.cancelled || !options_.cancelled()) return false;
+    stop(LyapunovStop::interrupted);
+    return true;
   }
 
   /// The next work: whether with tangents, and how many of `periods` periods.
@@ -73,6 +74,10 @@ template <class Motion> class Average {
   }
 
  private:
+  void stop(LyapunovStop reason) {
+    if (open_) out_.stop = reason;
+    open_ = false;
+  }
   double count() const { return static_cast<double>(motions_.size()); }
   /// Periods of all motions in an interval.
   std::int64_t round() const { return options_.interval * static_cast<std::int64_t>(motions_.size()); }

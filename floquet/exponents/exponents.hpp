@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Evaluation of running time averages (average.hpp), direction by direction:
-// whether they are precise enough, and how they are written to the result.
+// Evaluation of running time averages (average.hpp), direction by direction: whether they are precise enough, and how they are
+// written to the result.
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>

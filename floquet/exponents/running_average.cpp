@@ -16,7 +16,7 @@ namespace {
 
 /// An average that may stop early is expected to be long once it has reached this many periods.
 constexpr std::int64_t lasting = LaneCarrier::periods_for_table / 4;
-/// Forcing periods between two tests of the stop rule: an eighth of those so far, so that few are carried in vain.
+/// Forcing periods between two tests of the stop rule: an eighth of those so far, so that few more are carried than needed.
 constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
 /// Periods per motion from which the use of all threads pays.
 constexpr std::size_t long_for_threads = 64;
@@ -148,18 +148,13 @@ RunningAverage::RunningAverage(const TaskSlot& lane, const HybridSystem& system,
 RunningAverage::~RunningAverage() = default;
 
 MotionTask<bool> RunningAverage::carry(TaskSlot& lane, std::int64_t periods) {
-  const auto cancelled = [](auto& average) {
-    if (!average.cancelled()) return false;
-    average.stop(LyapunovStop::interrupted);
-    return true;
-  };
   if (alone_) {
-    while (alone_->open() && alone_->periods() < periods && !cancelled(*alone_)) alone_->carry_on();
+    while (alone_->open() && alone_->periods() < periods && !alone_->cancelled()) alone_->carry_on();
     co_return alone_->open();
   }
   InLanes& average = *in_lanes_;
   std::vector<MotionStart> next;
-  while (average.open() && average.periods() < periods && !cancelled(average)) {
+  while (average.open() && average.periods() < periods && !average.cancelled()) {
     average.announce(lane.motions(), lane.parameters());
     average.ask(next);
     const std::size_t stretch = average.part_of(shortest_stretch);
@@ -185,11 +180,7 @@ LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& s
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
   std::int64_t told = 0;
-  for (std::size_t carried = 0; average.open();) {
-    if (average.cancelled()) {
-      average.stop(LyapunovStop::interrupted);
-      break;
-    }
+  for (std::size_t carried = 0; average.open() && !average.cancelled();) {
     average.announce(many, set);
     average.ask(motions);
     const std::size_t stretch = average.part_of(std::clamp(carried / 8, shortest_stretch, longest_stretch));
@@ -205,11 +196,7 @@ LyapunovSpectrum frame_spectrum(const HybridSystem& system, const AverageStart& 
   validate(options);
   FrameMotions average(system, start, options, options.motions);
   std::int64_t told = 0;
-  while (average.open()) {
-    if (average.cancelled()) {
-      average.stop(LyapunovStop::interrupted);
-      break;
-    }
+  while (average.open() && !average.cancelled()) {
     average.carry_on();
     if (options.progress && average.periods() > told) options.progress(told = average.periods());
   }
