@@ -57,7 +57,8 @@ struct LyapunovOptions {
   /// parameters; the result changes by the errors of the table.
   bool all_threads = false;
   const ContactTable* table = nullptr;
-  std::function<bool()> cancelled = {};  ///< called once per interval; in lanes every 32 to 256 periods
+  std::function<bool()> cancelled =
+      {};  ///< called before each period, or before every 8 of several motions; in lanes every 32 to 256 periods
   std::function<void(std::int64_t periods)> progress = {};
 };
 
