@@ -17,7 +17,7 @@ const Columns<SweepRow>& row_columns() {
       joined<R>({{{"value", "of the parameter", &R::value},
                   {"direction", "in which the parameter goes", &R::direction},
                   {"attractor", "what the motion settles on", &R::attractor}},
-                 of_part(exponents_columns(), &R::attractor),
+                 of_part<R, Attractor>(exponents_columns(), &R::attractor),
                  {{"periods", "of the exponents' average", [](const R& row) { return row.attractor.time_average.periods; },
                    [](R& row, std::int64_t value) { row.attractor.time_average.periods = value; }},
                   {"end", "state from which the next value starts", &R::end},
@@ -109,7 +109,7 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
 
 void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
                  const TextSink& sink, const RowQuantities& measured) {
-  static const Columns<SweepRow> columns = joined<SweepRow>({row_columns(), of_part(attractor_columns(), &SweepRow::attractor)});
+  static const Columns<SweepRow> columns = joined<SweepRow>({row_columns(), of_part<SweepRow, Attractor>(attractor_columns(), &SweepRow::attractor)});
   std::vector<Shown> shown = {{"value", {parameter}}, {"direction"}, {"type", {"attractor"}}, {"period"}, {"impacts"},
                               {"exponents", {}}};
   for (std::size_t i = 1; i <= problem.system.states; ++i) shown.back().heads.push_back(fmt::format("exponent{}", i));

@@ -7,6 +7,9 @@
 // transient (as in a sweep, with its hysteresis). Rows are independent of each other: any part of the map can be computed
 // anywhere, in any order, with bitwise the same result.
 //
+// A followed row of more than 512 points is divided into stretches that are computed at the same time (row.hpp): the attractor at
+// the end of each decides whether the next begins on it, or from it.
+//
 // Newton's method proves periodic points, mostly after a few dozen forcing periods, and their exponents follow from the
 // multipliers; only the other points need a full transient and a time average.
 #pragma once

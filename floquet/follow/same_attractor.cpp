@@ -49,7 +49,7 @@ bool exponents_agree(const Attractor& a, const Attractor& b) {
 
 }  // namespace
 
-bool on_same_attractor(const SweepRow& a, const SweepRow& b) {
+bool on_same_attractor(const FollowedAttractor& a, const FollowedAttractor& b) {
   const Attractor &one = a.attractor, &other = b.attractor;
   if (one.type != other.type || one.type == AttractorType::undecided) return false;
   if (one.type == AttractorType::periodic)

@@ -1,14 +1,48 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/follow/sweep_work.hpp>
+#include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/follow/row_runner.hpp>
+#include <graze/floquet/follow/sweep_chain.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
 namespace graze {
+
+namespace {
+
+/// Returns this close trigger a search for an orbit; Newton's method decides.
+constexpr double repeats = 1e-4;
+/// Chaos found by an average over fewer forcing periods must be confirmed by a second one.
+constexpr std::int64_t short_average = 500;
+/// Forcing periods that align the tangent of a motion before its growth counts.
+constexpr std::int64_t aligning_periods = 60;
+/// Number of motions that fills the lanes of a thread.
+constexpr std::size_t enough = 32;
+/// Guesses of a direction that may be unconfirmed, in addition to one per thread.
+constexpr std::size_t guesses = 8;
+
+SweepOptions with_looks(SweepOptions options) {
+  options.attractor.recurrence = repeats;
+  options.attractor.confirmed_below = short_average;
+  LyapunovOptions& averaging = options.attractor.lyapunov;
+  averaging.aligning = std::max(averaging.aligning, aligning_periods);
+  averaging.motions = std::max(averaging.motions, motions_in_shared_lanes(averaging));
+  return options;
+}
+
+/// One direction of a sweep.
+struct Direction {
+  SweepDirection direction;
+  std::vector<SweepRow> rows = {};  ///< the first ones, which nothing can change any more
+  std::shared_ptr<Row> work = {};
+};
+
+}  // namespace
 
 std::string_view sweep_direction_name(SweepDirection direction) { return direction == SweepDirection::up ? "up" : "down"; }
 
@@ -24,12 +58,53 @@ std::vector<double> sweep_values(double from, double to, double step) {
   return values;
 }
 
-std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
+std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& wanted,
                             const std::vector<SweepRow>& so_far) {
-  SweepWork sweep(system, p, start, options, so_far);
+  const SweepOptions options = with_looks(wanted);
   oneapi::tbb::task_arena arena(std::max(1, options.threads));
-  arena.execute([&] { in_parallel(available_threads(), [&](std::size_t) { sweep.work(); }); });
-  return std::move(sweep).rows();
+  const std::size_t threads = arena.execute([] { return available_threads(); });
+  std::vector<Direction> directions;
+  for (const SweepDirection direction : options.directions) directions.push_back({direction});
+  const auto all_rows = [&directions] {
+    std::vector<SweepRow> all;
+    for (const Direction& direction : directions) all.insert(all.end(), direction.rows.begin(), direction.rows.end());
+    return all;
+  };
+  RowRunnerOptions running;
+  running.flow = options.attractor.lyapunov.flow;
+  running.threads = threads;
+  running.enough = running.most = std::max<std::size_t>(1, enough / static_cast<std::size_t>(options.attractor.lyapunov.motions));
+  running.cancelled = options.cancelled;
+  running.point_done = [&](const Row& row, std::size_t number) {
+    std::size_t done = 0;
+    for (const Direction& direction : directions) done += direction.work->done();
+    if (options.progress) options.progress(done, static_cast<const SweepChain&>(row.chain()).value(number));
+    if (options.keep) options.keep(all_rows);
+  };
+  RowRunner runner(system, running);
+  std::vector<std::shared_ptr<Row>> rows;
+  for (Direction& direction : directions) {
+    auto chain = std::make_unique<SweepChain>(system, p, start, options, direction.direction);
+    std::vector<RowPoint> known;
+    for (const SweepRow& row : so_far)
+      if (row.direction == direction.direction) {
+        direction.rows.push_back(row);
+        static_cast<FollowedAttractor&>(known.emplace_back()) = row;
+      }
+    Row::Listener listener;
+    listener.commit = [&direction, chain = chain.get()](std::size_t number, const RowPoint& point) {
+      SweepRow& row = direction.rows.emplace_back();
+      static_cast<FollowedAttractor&>(row) = point;
+      row.value = chain->value(number);
+      row.direction = direction.direction;
+    };
+    direction.work = std::make_shared<Row>(std::move(chain), listener, guesses + threads, std::move(known));
+    rows.push_back(direction.work);
+  }
+  runner.give(rows);
+  runner.close();
+  arena.execute([&] { in_parallel(threads, [&](std::size_t) { runner.work(); }); });
+  return all_rows();
 }
 
 }  // namespace graze

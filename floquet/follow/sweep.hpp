@@ -5,9 +5,9 @@
 // its attractor by then.
 //
 // Rows that have not settled are completed later: the rest of the transient, the samples and the time average take long and run
-// in parallel for many rows (SweepWork). On smooth branches the orbits of the next values are also computed together
-// (SweepChain). The values are divided into stretches that start at the same time, each from a guess of the state at the end of
-// the stretch before it (SweepStretches).
+// in parallel for many rows (RowRunner). On smooth branches the orbits of the next values are also computed together
+// (predicted_orbits.hpp). The values are divided into stretches that start at the same time, each from a guess of the state at
+// the end of the stretch before it (Row).
 #pragma once
 
 #include <graze/floquet/attractor/attractor.hpp>
@@ -23,13 +23,17 @@ enum class SweepDirection { up, down };
 /// "up", "down".
 std::string_view sweep_direction_name(SweepDirection direction);
 
-struct SweepRow {
-  double value = 0.0;
-  SweepDirection direction = SweepDirection::up;
+/// The attractor at one of the values along which it is followed.
+struct FollowedAttractor {
   Attractor attractor;                ///< without the complete orbit
   Vector end;                         ///< state at phase 0 from which the next value starts (its transient may have continued)
   std::vector<Vector> states;         ///< at forcing phase 0: those of the orbit, or SweepOptions::samples of them
   std::vector<double> impact_speeds;  ///< of the impacts (entries into contact) in the periods of `states`
+};
+
+struct SweepRow : FollowedAttractor {
+  double value = 0.0;
+  SweepDirection direction = SweepDirection::up;
 };
 
 struct SweepOptions {

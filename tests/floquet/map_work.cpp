@@ -7,6 +7,7 @@
 #include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -96,6 +97,33 @@ TEST_CASE("map work: points after a wrong guess of chaos are recomputed and prog
     ++checked;
   }
   CHECK(checked > 10);
+}
+
+TEST_CASE("map work: a long followed row, divided into stretches, follows the attractors of an undivided one") {
+  const auto row = [](int count) {
+    const double spacing = 2.5e-4, to = 0.85;
+    const ParameterGrid line{{"eta", to - (count - 1) * spacing, to, count}, {"r", 2.0, 2.0, 1}};
+    return map_rows(newton_oscillator(), elastic(), line, {from_rest(MapDirection::down)}, 0, 1);
+  };
+  const std::vector<MapPoint> undivided = row(500), divided = row(600);
+  int periodic = 0, differ = 0;
+  for (std::size_t k = 0; k < undivided.size(); ++k) {
+    const MapPoint &one = undivided[k], &other = divided[k + 100];
+    if (one.type == MapType::periodic && other.type == MapType::periodic) {
+      ++periodic;
+      CHECK(one.period == other.period);
+      CHECK(one.impacts == other.impacts);
+      CHECK(one.lambda_1 == Approx(other.lambda_1).epsilon(1e-6).margin(1e-9));
+    } else {
+      differ += one.type != other.type;  // in a narrow window, one start may still be on a chaotic transient
+    }
+  }
+  CHECK(periodic > 250);
+  CHECK(differ <= 2);
+  oneapi::tbb::task_arena alone(1);
+  std::vector<MapPoint> again;
+  alone.execute([&] { again = row(600); });
+  CHECK(std::equal(divided.begin(), divided.end(), again.begin(), [](const auto& a, const auto& b) { return same(a, b); }));
 }
 
 TEST_CASE("map work: the next piece begins while the last points of the one before are still running") {
