@@ -372,7 +372,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
 
 /// The start in the coordinates of its signature; nullopt if it sticks or has no events.
 std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, const BranchStart& start) const {
-  const std::optional<EventNodes> here = event_nodes(problem.orbit(start.u, {}));
+  const std::optional<EventNodes> here = event_nodes(problem.orbit(start.u));
   if (!here) return std::nullopt;
   BranchStart out;
   out.sequence = here->sequence;
@@ -387,7 +387,7 @@ std::optional<BranchStart> BranchFollower::to_signature(OrbitProblem& problem, c
   // impact exists within that distance of the barrier.
   const double small = 1e-8 / std::max(1e-300, start.orientation.lpNorm<Eigen::Infinity>());
   const Vector u_before = start.u - small * start.orientation;
-  const std::optional<EventNodes> before = event_nodes(problem.orbit(u_before, {}));
+  const std::optional<EventNodes> before = event_nodes(problem.orbit(u_before));
   if (before && before->sequence == here->sequence) {
     const Vector direction = (out.u - moved.pack(*before, problem.value(u_before))) / small;
     if (direction.allFinite() && direction.lpNorm<Eigen::Infinity>() < 1e6) out.orientation = direction;
@@ -609,9 +609,7 @@ Vector BranchFollower::at_value(BranchProblem& problem, Vector u, double value) 
 SpecialPoint BranchFollower::plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const {
   SpecialPoint point;
   point.type = type;
-  NewtonReport report;
-  report.status = NewtonStatus::converged;
-  point.orbit = problem.orbit(u, report);
+  point.orbit = problem.orbit(u);
   point.value = point.interval[0] = point.interval[1] = problem.value(u);
   point.status = type == PointType::MX ? PointStatus::bracketed : PointStatus::converged;
   point.after_point = branch.points.empty() ? 0 : branch.points.size() - 1;
@@ -752,9 +750,7 @@ std::optional<PointInStep> BranchFollower::locate(BranchProblem& problem, const 
     point.value = problem.value(best.u);
     point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * (1.0 + std::abs(point.value)));
     point.status = hi - lo <= 1e-10 ? PointStatus::converged : PointStatus::bracketed;
-    NewtonReport report;
-    report.status = NewtonStatus::converged;
-    point.orbit = problem.orbit(best.u, report);
+    point.orbit = problem.orbit(best.u);
     point.orbit.multipliers = best_branch.multipliers;
     point.details["method"] = std::string("sign change along the branch");
   }
@@ -841,7 +837,7 @@ PointInStep BranchFollower::locate_impact_change(OrbitProblem& problem, const Cu
   point.precision = 0.5 * width;
   point.interval[0] = low;
   point.interval[1] = high;
-  point.orbit = problem.orbit(with_impact, {});
+  point.orbit = problem.orbit(with_impact);
   point.details["kind"] = lost ? "lost" : "gained";
   point.details["impacts"] = std::vector<double>{static_cast<double>(last.impacts), static_cast<double>(reached.impacts)};
   const Vector middle = 0.5 * (before.u + after.u);

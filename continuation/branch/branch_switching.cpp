@@ -63,7 +63,7 @@ OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states) 
   const HybridSystem& system = states.system();
   OwnCoordinates own{std::nullopt, states.pack(point.orbit.nodes, point.orbit.duration, point.value)};
   if (!has_hard_contacts(system) || states.equations().autonomous()) return own;
-  const std::optional<EventNodes> nodes = event_nodes(states.orbit(own.u, {}));
+  const std::optional<EventNodes> nodes = event_nodes(states.orbit(own.u));
   if (!nodes || impacts(system, {0, nodes->sequence}) != point.orbit.impacts) return own;
   own.by_events.emplace(system, point.orbit.parameters, states.period(), nodes->sequence, states.parameter(), states.scale(),
                         states.equations().options());
@@ -78,7 +78,7 @@ Vector in_coordinates(const OwnCoordinates& own, OrbitProblem& states, const Bra
   if (there.nodes() != static_cast<int>(point.nodes.size())) return {};
   const Vector u = there.pack(point.nodes, point.duration, point.value);
   if (!own.by_events) return there.to_section(states, u).value_or(Vector{});
-  const std::optional<EventNodes> nodes = event_nodes(there.orbit(u, {}));
+  const std::optional<EventNodes> nodes = event_nodes(there.orbit(u));
   if (!nodes || nodes->sequence != own.by_events->sequence()) return {};
   return own.by_events->pack(*nodes, point.value);
 }
@@ -211,7 +211,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     BranchStart start{guess, {}, {}, {}, false, first_step};
     if (!guess.allFinite() || !correct(zero, problem.parameter_direction(), start.u, options).converged()) return std::nullopt;
     start.orientation = start.u - grazing.u;
-    if (problem.orbit(start.u, {}).impacts != grazing.orbit.impacts + 1) return std::nullopt;
+    if (problem.orbit(start.u).impacts != grazing.orbit.impacts + 1) return std::nullopt;
     return start;
   };
   // First order in the impact's speed (LocatedGrazing::response).

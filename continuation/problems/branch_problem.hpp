@@ -44,9 +44,10 @@ class BranchProblem {
   virtual Eigen::Index unknowns() const = 0;
   /// The equations for the tracer. They refer to this object: keep it alive.
   virtual ZeroProblem zero_problem() = 0;
-  /// The orbit at u: the small record that a branch keeps, and the orbit with all its properties.
+  /// The orbit at u: the small record that a branch keeps, and the orbit with all its properties. Newton's report is that of u;
+  /// none: the residual at u tells whether it is an orbit.
   virtual BranchPoint branch_point(const Vector& u, double arclength) = 0;
-  virtual PeriodicOrbit orbit(const Vector& u, NewtonReport report) = 0;
+  virtual PeriodicOrbit orbit(const Vector& u, const std::optional<NewtonReport>& report = {}) = 0;
   /// The same orbit in states at fixed phases; its unknowns are written to `out`. The reference is valid until the next call.
   virtual OrbitProblem& stroboscopic(const Vector& u, Vector& out) = 0;
 

@@ -170,17 +170,16 @@ ZeroProblem OrbitProblem::zero_problem() {
   return problem;
 }
 
-PeriodicOrbit OrbitProblem::orbit(const Vector& u, NewtonReport report) {
+PeriodicOrbit OrbitProblem::orbit(const Vector& u, const std::optional<NewtonReport>& report) {
   p_ = parameters_at(u);
   equations_.set_parameters(p_);
   if (equations_.autonomous()) equations_.set_phase_reference(u.head(states()));
-  return describe_orbit(equations_, u.head(u.size() - 1), std::move(report));
+  const Vector unknowns = u.head(u.size() - 1);
+  return report ? describe_orbit(equations_, unknowns, *report) : describe_orbit(equations_, unknowns);
 }
 
 BranchPoint OrbitProblem::branch_point(const Vector& u, double arclength) {
-  NewtonReport accepted;
-  accepted.status = NewtonStatus::converged;
-  const PeriodicOrbit here = orbit(u, accepted);
+  const PeriodicOrbit here = orbit(u);
   BranchPoint point = to_branch_point(here, value(u), arclength);
   point.shape = shape_of(system(), here);
   return point;

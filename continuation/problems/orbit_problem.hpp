@@ -50,7 +50,7 @@ class OrbitProblem : public BranchProblem {
   ZeroProblem zero_problem() override;
   std::string failure() const;
 
-  PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
+  PeriodicOrbit orbit(const Vector& u, const std::optional<NewtonReport>& report = {}) override;
   BranchPoint branch_point(const Vector& u, double arclength) override;
   double time_carried() const override { return equations_.time_carried(); }
   OrbitProblem& stroboscopic(const Vector& u, Vector& out) override {

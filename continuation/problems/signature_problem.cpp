@@ -290,10 +290,10 @@ double SignatureProblem::time_carried() const {
   return equations_.time_carried() + carried_elsewhere_ + (stroboscopic_ ? stroboscopic_->time_carried() : 0.0);
 }
 
-PeriodicOrbit SignatureProblem::orbit(const Vector& u, NewtonReport report) {
+PeriodicOrbit SignatureProblem::orbit(const Vector& u, const std::optional<NewtonReport>& report) {
   Vector states;
   OrbitProblem& problem = stroboscopic(u, states);
-  return problem.orbit(states, std::move(report));
+  return problem.orbit(states, report);
 }
 
 BranchPoint SignatureProblem::branch_point(const Vector& u, double arclength) {

@@ -40,7 +40,7 @@ class SignatureProblem : public BranchProblem {
   Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
   ZeroProblem zero_problem() override;
   BranchPoint branch_point(const Vector& u, double arclength) override;
-  PeriodicOrbit orbit(const Vector& u, NewtonReport report) override;
+  PeriodicOrbit orbit(const Vector& u, const std::optional<NewtonReport>& report = {}) override;
   OrbitProblem& stroboscopic(const Vector& u, Vector& out) override;
   /// The orbit at u in states at fixed phases: `per_period` nodes per forcing period, the first at phase `section` (over 2 pi).
   /// Its unknowns are written to `out`; they are NaN if a flight cannot be carried out.

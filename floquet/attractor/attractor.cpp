@@ -4,7 +4,6 @@
 #include <graze/floquet/attractor/transient.hpp>
 #include <graze/floquet/exponents/running_average.hpp>
 #include <graze/floquet/orbit/observe.hpp>
-#include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <algorithm>
@@ -141,26 +140,12 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
   states.insert(states.begin(), average.state);
   if (states.size() == 1 || average.stop == LyapunovStop::interrupted) return states;
   const auto periods = static_cast<std::size_t>(std::max(1, in_all / averaging.motions));
-  if (!LaneCarrier::applies(system, p, averaging.flow)) {
-    const std::size_t parts = averaging.all_threads ? states.size() : 1;
-    in_parallel(parts, [&](std::size_t part) {
-      Propagator propagator(system, p, {}, averaging.flow);
-      for (std::size_t k = part; k < states.size(); k += parts)
-        states[k] = stroboscopic_states(propagator, states[k], periods + 1).back();
-    });
-    return states;
-  }
-  LaneCarrier many(system, averaging.flow);
-  if (averaging.all_threads) many.use_all_threads();
-  const std::size_t set = many.add_parameters(p);
-  std::vector<MotionStart> starts;
-  for (const Vector& state : states) starts.push_back({set, state[0], state[1]});
-  std::vector<PeriodResult> results;
-  many.carry(starts, periods, false, results);
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    const PeriodResult& end = results[(k + 1) * periods - 1];
-    if (end.termination == Termination::time) states[k] << end.x, end.v;
-  }
+  const auto go_on = [&](std::size_t k, TaskSlot& slot) -> MotionTask<> {
+    slot.set_parameters(p);
+    const CarriedPeriods carried = co_await slot.carry(states[k], periods);
+    if (carried.termination(periods - 1) == Termination::time) carried.state(periods - 1, states[k]);
+  };
+  run_tasks(system, averaging.flow, averaging.all_threads, states.size(), go_on);
   return states;
 }
 
@@ -169,8 +154,7 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
 std::optional<StableOrbit> orbit_at_ends(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
                                          const LyapunovOptions& averaging, const AttractorOptions& options) {
   std::vector<Vector> ends = continued_states(system, p, average, averaging);
-  if (ends.size() > 1 && LaneCarrier::applies(system, p, options.lyapunov.flow))
-    ends = settling_candidates(system, p, ends, options.lyapunov.flow);
+  if (ends.size() > 1) ends = settling_candidates(system, p, ends, options.lyapunov.flow);
   const int most = longest_period_tried(options, average.periods_each());
   const std::size_t together = options.lyapunov.all_threads ? available_threads() : 1;
   for (std::size_t begin = 0; begin < ends.size() && !cancelled(options); begin += together) {
@@ -326,9 +310,8 @@ Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vect
 std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
                                            const AttractorOptions& options) {
   std::vector<Attractor> out(starts.size());
-  LaneCarrier many(system, options.lyapunov.flow);
-  TaskPool(many).run(starts.size(),
-                     [&](std::size_t i, TaskSlot& lane) { return find_into(lane, system, starts[i], options, out[i]); });
+  run_tasks(system, options.lyapunov.flow, false, starts.size(),
+            [&](std::size_t i, TaskSlot& lane) { return find_into(lane, system, starts[i], options, out[i]); });
   return out;
 }
 

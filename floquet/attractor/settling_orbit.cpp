@@ -435,6 +435,7 @@ std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector
     bool ended = false;
   };
   constexpr int stretch = growth_test_periods / 4;
+  if (!LaneCarrier::applies(system, p, flow)) return states;
   LaneCarrier many(system, flow);
   const std::size_t set = many.add_parameters(p);
   std::vector<Motion> motions;

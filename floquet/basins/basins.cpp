@@ -51,7 +51,7 @@ class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options, Basins out)
       : system_(system), p_(p), starts_(starts), options_(options), scout_(system, p, starts, options.flow),
-        in_lanes_(LaneCarrier::applies(system, p, options.flow)), out_(std::move(out)) {
+        out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) {
       std::vector<Vector> before = found.states;
       known_.add(describe(found));
@@ -97,7 +97,8 @@ class Search {
         std::vector<Watch> watches;
         watches.reserve(its.size());
         for (const std::size_t k : its) watches.emplace_back(*this, runs[k], todo[k], first);
-        carry_on(watches);
+        carry_all_watched(system_, p_, options_.flow, {scout_.table(), known_.ellipses()}, watches,
+                          [this] { return cancelled(); });
       });
       std::vector<std::size_t> left;
       bool analysed = false, whole = true;
@@ -246,20 +247,6 @@ class Search {
     std::optional<ApproachTest> nearing_ = std::nullopt;
   };
 
-  /// Carries the motions until none is open or the run is cancelled, in lanes if these support the oscillator.
-  void carry_on(std::vector<Watch>& watches) const {
-    if (!in_lanes_) {
-      Propagator propagator(system_, p_, {}, options_.flow);
-      for (Watch& watch : watches) carry_watched(propagator, watch, [this] { return cancelled(); });
-      return;
-    }
-    LaneCarrier many(system_, options_.flow);
-    const std::size_t set = many.add_parameters(p_);
-    if (scout_.table()) many.use(set, *scout_.table());
-    many.set_reported_ellipses(known_.ellipses());
-    carry_together(many, set, watches, [this] { return cancelled(); });
-  }
-
   /// Whether a known orbit is so near that it may be the one sought.
   bool near_orbit(const Vector& x, bool with_region) const {
     return known_.orbit_near(x, return_distance * (1.0 + x.lpNorm<Eigen::Infinity>()), with_region);
@@ -394,8 +381,8 @@ class Search {
 
   void tell() {
     if (!options_.progress) return;
-    constexpr std::size_t together = 64;  // in lanes many starts finish at once
-    if (++told_ % (in_lanes_ ? together : 1) != 0) return;
+    constexpr std::size_t reports = 500;  // many starts may finish at once
+    if (++told_ % (out_.outcomes.size() / reports + 1) != 0) return;
     // If another thread is reporting, skip: its next report will include this start.
     if (const std::unique_lock lock(telling_, std::try_to_lock); lock) options_.progress(told_, out_.attractors.size());
   }
@@ -405,7 +392,6 @@ class Search {
   const Matrix& starts_;
   const BasinOptions& options_;
   ContactTableProbe scout_;
-  const bool in_lanes_;
   Basins out_;
   AttractorClassifier known_;
   std::mutex telling_;

@@ -15,7 +15,7 @@ namespace {
 using Pair = CyclicBlocks::Pair;
 using Square = CyclicBlocks::Square;
 
-double size_of(const std::vector<Pair>& pairs) {
+double nodes_size(const std::vector<Pair>& pairs) {
   double most = 0.0;
   for (const Pair& pair : pairs) most = std::max(most, state_size(pair));
   return most;
@@ -39,13 +39,21 @@ struct StepEquations {
   std::vector<Square> Phi;
 };
 
-/// Newton iteration for one guess: newton() of shooting.cpp, with evaluations done by the caller.
+/// The rule of shooting on one guess, with evaluations done by the caller.
+DampedNewtonRule rule_in_lanes(const LanePatience& patience) {
+  DampedNewtonRule rule = newton_rule({});
+  rule.max_halvings = patience.max_halvings;
+  rule.rounding = 1e-15;
+  return rule;
+}
+
 class Iteration {
  public:
   Iteration(std::size_t parameters, std::vector<Pair> guess, const LanePatience& patience)
-      : parameters_(parameters), patience_(patience), trial_(std::move(guess)) {}
+      : parameters_(parameters), most_growth_(patience.most_growth), newton_(rule_in_lanes(patience)), trial_(std::move(guess)),
+        step_(trial_.size()) {}
 
-  bool open() const { return open_; }
+  bool open() const { return newton_.open() && !given_up_; }
   std::size_t nodes() const { return trial_.size(); }
   void ask(std::vector<MotionStart>& motions) const {
     for (const Pair& node : trial_) motions.push_back({parameters_, node[0], node[1]});
@@ -55,34 +63,32 @@ class Iteration {
   void take(const PeriodResult* results, StepEquations& equations) {
     const std::size_t n = nodes();
     const bool carried = std::all_of(results, results + n, [](const auto& one) { return one.termination == Termination::time; });
-    if (!carried) return begun_ ? halve() : end(false);
-    trial_residual_.resize(n);
-    for (std::size_t k = 0; k < n; ++k) {
-      const Pair& next = trial_[(k + 1) % n];
-      trial_residual_[k] = {results[k].x - next[0], results[k].v - next[1]};
+    std::optional<double> reached;
+    if (carried) {
+      trial_residual_.resize(n);
+      for (std::size_t k = 0; k < n; ++k) {
+        const Pair& next = trial_[(k + 1) % n];
+        trial_residual_[k] = {results[k].x - next[0], results[k].v - next[1]};
+      }
+      reached = nodes_size(trial_residual_) / (1.0 + nodes_size(trial_));
     }
-    const double after = size_of(trial_residual_) / (1.0 + size_of(trial_));
-    if (!begun_) {
-      given_up_ = growth(results, n) > patience_.most_growth;
-      if (!std::isfinite(after) || given_up_) return end(false);
-      begun_ = true;
-      accept(results, after);
-      return step(equations);
+    given_up_ = carried && !newton_.begun() && growth(results, n) > most_growth_;
+    if (given_up_) return;
+    if (newton_.take(reached)) {
+      nodes_ = trial_;
+      residual_ = trial_residual_;
+      carried_.assign(results, results + n);
+      if (newton_.open()) begin_step(equations);
     }
-    const double before = now_;
-    if (!(after < before)) return before <= options_.acceptance ? end(true) : halve();
-    accept(results, after);
-    constexpr double rounding = 1e-15;
-    if (now_ < rounding || (now_ <= options_.tolerance && now_ > 0.5 * before)) return end(true);
-    if (++iterations_ == options_.max_iterations) return end(now_ <= options_.acceptance);
-    step(equations);
+    for (std::size_t k = 0; k < n && newton_.begun(); ++k)
+      for (std::size_t i = 0; i < 2; ++i) trial_[k][i] = nodes_[k][i] + newton_.factor() * step_[k][i];
   }
 
   LaneOrbit orbit() const {
     LaneOrbit out;
-    out.converged = converged_;
+    out.converged = newton_.report().converged();
     out.given_up = given_up_;
-    if (!converged_) return out;
+    if (!out.converged) return out;
     out.states = nodes_;
     Square M = {1.0, 0.0, 0.0, 1.0};
     LogProduct determinant;
@@ -113,57 +119,22 @@ class Iteration {
   }
 
  private:
-  void end(bool converged) {
-    converged_ = converged;
-    open_ = false;
-  }
-
-  void accept(const PeriodResult* results, double residual) {
-    nodes_ = trial_;
-    residual_ = trial_residual_;
-    carried_.assign(results, results + nodes());
-    now_ = residual;
-  }
-
-  /// Computes the next Newton step.
-  void step(StepEquations& equations) {
+  void begin_step(StepEquations& equations) {
     equations.Phi.clear();
     for (const PeriodResult& period : carried_) equations.Phi.push_back(period.Phi);
     equations.blocks.solve(equations.Phi, residual_, step_);
     double length = 0.0;
-    for (const Pair& one : step_) {
-      if (!std::isfinite(one[0]) || !std::isfinite(one[1])) return end(now_ <= options_.acceptance);
-      length = std::max({length, std::abs(one[0]), std::abs(one[1])});
-    }
-    if (now_ <= options_.acceptance && on_a_family(now_, length / (1.0 + size_of(nodes_)))) return end(true);
-    const double longest = options_.max_step * (1.0 + size_of(nodes_));
-    if (length > longest)
-      for (Pair& one : step_)
-        for (double& entry : one) entry *= longest / length;
-    factor_ = 1.0;
-    halvings_ = 0;
-    try_step();
+    for (const Pair& one : step_)
+      for (const double entry : one) length = std::isfinite(entry) ? std::max(length, std::abs(entry)) : std::nan("");
+    newton_.begin_step(length, 1.0 + nodes_size(nodes_));
   }
 
-  void halve() {
-    factor_ *= 0.5;
-    if (++halvings_ > patience_.max_halvings) return end(now_ <= options_.acceptance);
-    try_step();
-  }
-
-  void try_step() {
-    for (std::size_t k = 0; k < nodes(); ++k)
-      for (std::size_t i = 0; i < 2; ++i) trial_[k][i] = nodes_[k][i] + factor_ * step_[k][i];
-  }
-
-  ShootingOptions options_;
   std::size_t parameters_;
-  LanePatience patience_;
+  double most_growth_;
+  DampedNewton newton_;
   std::vector<Pair> trial_, trial_residual_, nodes_, residual_, step_;
   std::vector<PeriodResult> carried_;  // from nodes_
-  double now_ = 0.0, factor_ = 1.0;
-  int iterations_ = 0, halvings_ = 0;
-  bool begun_ = false, open_ = true, converged_ = false, given_up_ = false;
+  bool given_up_ = false;
 };
 
 MotionTask<LaneOrbit> newton(TaskSlot& lane, std::vector<Pair> states, LanePatience patience) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Carries motions until their observers (watches) close: one by one, or in lanes several forcing periods at a time, in a pool
-// or all together; autonomous motions from return to return. A Watch has open(), state() (at forcing phase 0) and
+// Carries motions until their observers (watches) close: one by one, in a pool, or all together (in lanes, several forcing
+// periods at a time); autonomous motions from return to return. A Watch has open(), state() (at forcing phase 0) and
 // see(termination, state), called after every period while it is open. A watch for carry_together also has skippable_periods():
 // the number of next periods that it need not see unless they end in one of the ellipses known to the LaneCarrier; and
 // leave_out(periods), which receives the number left out.
@@ -98,6 +98,28 @@ bool carry_together(LaneCarrier& many, std::size_t set, std::vector<Watch>& watc
   }
   many.carry(runs, false);
   return !common.stopped;
+}
+
+/// How the lanes carry watched motions, if they support the system.
+struct WatchedInLanes {
+  const ContactTable* table = nullptr;      ///< of contacts at these parameters; may be null
+  std::vector<StateEllipse> ellipses = {};  ///< see LaneCarrier::set_reported_ellipses
+};
+
+/// Carries all motions at these parameters: together in lanes or, if these do not support the system, one after another.
+template <class Watch, class Cancelled>
+void carry_all_watched(const HybridSystem& system, const Vector& p, const FlowOptions& flow, const WatchedInLanes& in_lanes,
+                       std::vector<Watch>& watches, const Cancelled& cancelled) {
+  if (!LaneCarrier::applies(system, p, flow)) {
+    Propagator propagator(system, p, {}, flow);
+    for (Watch& watch : watches) carry_watched(propagator, watch, cancelled);
+    return;
+  }
+  LaneCarrier many(system, flow);
+  const std::size_t set = many.add_parameters(p);
+  if (in_lanes.table) many.use(set, *in_lanes.table);
+  many.set_reported_ellipses(in_lanes.ellipses);
+  carry_together(many, set, watches, cancelled);
 }
 
 }  // namespace graze

@@ -16,66 +16,31 @@ namespace {
 
 const TransitionOptions with_tangent{.sensitivity = Sensitivity::state};
 
-double relative(const Vector& residual, const Vector& u) {
-  return residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
-}
+double unknowns_size(const Vector& u) { return 1.0 + u.lpNorm<Eigen::Infinity>(); }
 
-/// Newton with the step halved until the residual decreases; continues below `tolerance` as long as it improves. (The last
-/// evaluation need not be at u.)
-NewtonReport newton(ShootingEquations& equations, Vector& u, const ShootingOptions& options) {
-  NewtonReport report;
-  if (!equations.evaluate(u, with_tangent)) {
-    report.status = NewtonStatus::evaluation_failed;
-    return report;
-  }
-  Vector residual, trial_residual;
+double relative(const Vector& residual, const Vector& u) { return residual.lpNorm<Eigen::Infinity>() / unknowns_size(u); }
+
+/// Newton's method from u, which is changed in place. (The last evaluation need not be at u.)
+NewtonReport solve(ShootingEquations& equations, Vector& u, const ShootingOptions& options) {
+  DampedNewton newton(newton_rule(options));
+  Vector trial = u, residual, step = Vector::Zero(u.size());
   Matrix jacobian;
-  equations.residual(u, residual);
-  report.residual_history.push_back(relative(residual, u));
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    equations.jacobian(jacobian);
-    Vector step = OrbitLU<Matrix>(jacobian).solve(-residual);
-    if (!step.allFinite()) {
-      report.status = report.residual() <= options.acceptance ? NewtonStatus::converged : NewtonStatus::singular;
-      return report;
+  while (newton.open()) {
+    std::optional<double> reached;
+    if (equations.evaluate(trial, with_tangent)) {
+      equations.residual(trial, residual);
+      reached = relative(residual, trial);
     }
-    // A step much longer than the motion comes from a nearly singular Jacobian and is useless; only its direction is kept.
-    const double longest = options.max_step * (1.0 + u.lpNorm<Eigen::Infinity>()), length = step.lpNorm<Eigen::Infinity>();
-    if (length > longest) step *= longest / length;
-    const double before = relative(residual, u);
-    if (before <= options.acceptance && on_a_family(before, length / (1.0 + u.lpNorm<Eigen::Infinity>()))) {
-      report.status = NewtonStatus::converged;
-      return report;
-    }
-    bool reduced = false;
-    double factor = 1.0;
-    for (int halving = 0; halving <= options.max_halvings; ++halving, factor *= 0.5) {
-      const Vector trial = u + factor * step;
-      if (!equations.evaluate(trial, with_tangent)) continue;
-      equations.residual(trial, trial_residual);
-      const double after = relative(trial_residual, trial);
-      if (!(after < before)) {
-        if (before <= options.acceptance) break;  // at rounding level: halving gains nothing
-        continue;
-      }
+    if (newton.take(reached)) {
       u = trial;
-      residual = trial_residual;
-      reduced = true;
-      break;
+      if (!newton.open()) break;
+      equations.jacobian(jacobian);
+      step = OrbitLU<Matrix>(jacobian).solve(-residual);
+      newton.begin_step(step.allFinite() ? step.lpNorm<Eigen::Infinity>() : std::nan(""), unknowns_size(u));
     }
-    report.residual_history.push_back(relative(residual, u));
-    const double now = report.residual();
-    if (!reduced || (now <= options.tolerance && now > 0.5 * before)) {
-      report.status = now <= options.acceptance ? NewtonStatus::converged : NewtonStatus::stalled;
-      break;
-    }
-    if (now == 0.0) {
-      report.status = NewtonStatus::converged;
-      break;
-    }
-    report.status = now <= options.acceptance ? NewtonStatus::converged : NewtonStatus::iteration_limit;
+    trial = u + newton.factor() * step;
   }
-  return report;
+  return newton.report();
 }
 
 /// The guess as nodes: used directly if their number fits, otherwise carried on from the first state.
@@ -166,6 +131,14 @@ void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, Peri
 
 }  // namespace
 
+DampedNewtonRule newton_rule(const ShootingOptions& options) {
+  return {.tolerance = options.tolerance,
+          .acceptance = options.acceptance,
+          .max_iterations = options.max_iterations,
+          .max_halvings = options.max_halvings,
+          .max_step = options.max_step};
+}
+
 PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, NewtonReport report) {
   PeriodicOrbit orbit;
   orbit.parameters = equations.parameters();
@@ -222,6 +195,26 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
   return orbit;
 }
 
+double residual_allowed(const std::vector<EventRecord>& events) {
+  constexpr double weak = 0.1;
+  double weakest = 1.0, all_weak = 1.0;
+  for (const EventRecord& event : events) {
+    if (event.kind != EventKind::impact) continue;
+    weakest = std::min(weakest, event.normal_speed);
+    if (event.normal_speed < weak) all_weak *= event.normal_speed;
+  }
+  return 1e-11 + 1e-12 / std::min(weakest, all_weak);
+}
+
+PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u) {
+  PeriodicOrbit orbit = describe_orbit(equations, u, NewtonReport{});
+  const double residual = orbit.checks.residual;  // negative: the equations could not be evaluated
+  orbit.newton.status = residual < 0.0                              ? NewtonStatus::evaluation_failed
+                        : residual < residual_allowed(orbit.events) ? NewtonStatus::converged
+                                                                    : NewtonStatus::stalled;
+  return orbit;
+}
+
 PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vector<Vector>& guess, int period,
                     const ShootingOptions& options, double duration_guess) {
   if (guess.empty()) throw std::invalid_argument("shooting needs a state to start from");
@@ -233,7 +226,7 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
   for (const Vector& x : guess) initial_mode(system, 0.0, x, p);
   Vector u = nodes_from(equations, guess, duration_guess);
   if (equations.autonomous()) equations.set_phase_reference(guess.front());
-  NewtonReport report = newton(equations, u, options);
+  NewtonReport report = solve(equations, u, options);
   PeriodicOrbit orbit = describe_orbit(equations, u, std::move(report));
   if (orbit.converged() && options.reduce_period && period > 1) {
     for (int divisor = 1; divisor <= period / 2; ++divisor) {

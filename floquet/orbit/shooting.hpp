@@ -5,6 +5,7 @@
 #include <graze/floquet/orbit/orbit_shape.hpp>
 #include <graze/floquet/orbit/periodic_orbit.hpp>
 #include <graze/floquet/orbit/shooting_equations.hpp>
+#include <graze/lib/numerics/newton.hpp>
 
 namespace graze {
 
@@ -20,12 +21,8 @@ struct ShootingOptions {
   FlowOptions flow = {};
 };
 
-/// Whether Newton's step is so long compared with the residual (both relative to 1 + |x|) that the Jacobian is singular up to
-/// rounding. The orbit is then one of a family, and the step leads along it.
-inline bool on_a_family(double residual, double step) {
-  constexpr double rounding = 1e-13;  // of the Jacobian's smallest singular value
-  return residual < rounding * step;
-}
+/// The rule of Newton's method for orbits, on any kind of motion.
+DampedNewtonRule newton_rule(const ShootingOptions& options);
 
 /// Newton from `guess` (state at phase 0, or several states at equally spaced times for multiple shooting). An autonomous
 /// system needs `duration_guess`. The result is always returned; converged() tells whether it is an orbit.
@@ -40,6 +37,12 @@ inline PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const Ve
 /// All properties of an orbit with known nodes: events, monodromy, multipliers, checks, and admissibility by free
 /// re-simulation. `report` describes the computation of the nodes.
 PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, NewtonReport report);
+/// The same for nodes that another method has found: the orbit is converged if their residual is below residual_allowed.
+PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u);
+
+/// Residual, relative to 1 + |x|, that nodes on an orbit may leave: 1e-11 and, after weak impacts, 1e-12 divided by their speeds
+/// (below 0.1) or by the lowest speed. The state after an impact has the error of the state before it divided by its speed.
+double residual_allowed(const std::vector<EventRecord>& events);
 
 /// Compares the finite-difference monodromy matrix with the variational one (Richardson, step kept inside the signature's
 /// domain).

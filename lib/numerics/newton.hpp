@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Newton's method to the last digit, and the outcome of a Newton iteration: part of every result that Newton's method computes.
+// Newton's method: to the last digit from a good start (newton_to_rounding), or from afar with steps that are halved
+// (DampedNewton); and the outcome of an iteration, part of every result that Newton's method computes.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -44,5 +45,48 @@ struct NewtonRule {
 /// `linearise` evaluates the equations at an iterate; nullopt: they cannot be evaluated there.
 NewtonReport newton_to_rounding(Vector& v, const std::function<std::optional<NewtonIterate>(const Vector& v)>& linearise,
                                 const NewtonRule& rule = {});
+
+struct DampedNewtonRule {
+  double tolerance = 1e-13;   ///< of the residual; below it the iteration goes on while the residual is halved
+  double acceptance = 1e-12;  ///< a residual that stalls below this counts as converged
+  double rounding = 0.0;      ///< a residual that cannot become smaller
+  int max_iterations = 40;
+  int max_halvings = 12;  ///< of a step that does not reduce the residual
+  double max_step = 0.5;  ///< longest step, relative to the size of the unknowns
+};
+
+/// The rule of a Newton iteration whose steps are halved until the residual decreases. The caller evaluates the equations and
+/// solves for the steps, wherever that happens:
+///
+///   while (newton.open()) {
+///     evaluate the residual at `trial` (at first the start)
+///     if (newton.take(residual)) iterate = trial, and if still open: step = -J^{-1} F, newton.begin_step(|step|, size)
+///     trial = iterate + newton.factor() * step
+///   }
+///
+/// Residuals are relative to the size of the unknowns.
+class DampedNewton {
+ public:
+  explicit DampedNewton(const DampedNewtonRule& rule) : rule_(rule) {}
+
+  bool open() const { return open_; }
+  bool begun() const { return !report_.residual_history.empty(); }  ///< the start was evaluated
+  /// Takes the residual at the trial; nullopt: it could not be evaluated. True: the trial is the new iterate.
+  bool take(std::optional<double> residual);
+  /// Takes the length of the full step and the size of the unknowns. A length that is not finite: the Jacobian is singular.
+  void begin_step(double length, double size);
+  double factor() const { return factor_; }  ///< of the full step, to the next trial
+  const NewtonReport& report() const { return report_; }
+
+ private:
+  void end(NewtonStatus otherwise);
+  void end_without_step();
+
+  DampedNewtonRule rule_;
+  NewtonReport report_;
+  double factor_ = 1.0;
+  int halvings_ = 0;
+  bool open_ = true;
+};
 
 }  // namespace graze

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/pool_member.hpp>
 #include <graze/lib/tasks/work_sharing.hpp>
 
@@ -224,6 +225,16 @@ void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, st
     for (const auto& member : members)
       if (member->place.open_ == 0 && !member->task.ended()) member->place.resume();
   }
+}
+
+void run_tasks(const HybridSystem& system, const FlowOptions& options, bool all_threads, std::size_t count,
+               const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make) {
+  const std::size_t parts = all_threads ? std::min(available_threads(), count) : 1;
+  in_parallel(parts, [&](std::size_t part) {
+    LaneCarrier lanes(system, options);
+    TaskPool(lanes).run((count - part + parts - 1) / parts,
+                        [&](std::size_t i, TaskSlot& slot) { return make(part + i * parts, slot); });
+  });
 }
 
 void run_alone(const HybridSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make) {

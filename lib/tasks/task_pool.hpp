@@ -170,6 +170,11 @@ class TaskPool : RunSupply {
   std::size_t share_ = 0, left_ = 0;          ///< quotas of periods: of each run at a time, and left to all runs in the turn
 };
 
+/// Runs the tasks make(0, slot) ... make(count - 1, slot) on pools of their own: one, or one for each thread of the caller's
+/// arena. The results do not depend on it.
+void run_tasks(const HybridSystem& system, const FlowOptions& options, bool all_threads, std::size_t count,
+               const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make);
+
 /// Runs one task by itself; its motions are carried by a Propagator.
 void run_alone(const HybridSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make);
 

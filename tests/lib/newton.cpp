@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Newton's method to the last digit, on equations of one unknown.
+// Newton's method to the last digit, and with halved steps, on equations of one unknown.
 #include <graze/lib/numerics/newton.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 using namespace graze;
 
@@ -54,4 +56,67 @@ TEST_CASE("Newton's method says why it ends elsewhere") {
   };
   CHECK(status(1.0, {}, waits) == NewtonStatus::converged);
   CHECK(evaluations == 6);
+}
+
+namespace {
+
+struct DampedRun {
+  NewtonReport report;
+  double v;
+};
+
+/// Damped Newton steps on f(v) = 0; f returns nothing where it cannot be evaluated.
+template <class F> DampedRun damped(double v, const F& f, const DampedNewtonRule& rule = {}) {
+  DampedNewton newton(rule);
+  double trial = v, step = 0.0;
+  while (newton.open()) {
+    const std::optional<std::pair<double, double>> at = f(trial);
+    if (newton.take(at ? std::optional(std::abs(at->first)) : std::nullopt)) {
+      v = trial;
+      if (!newton.open()) break;
+      step = -at->first / at->second;
+      newton.begin_step(std::abs(step), 1.0 + std::abs(v));
+    }
+    trial = v + newton.factor() * step;
+  }
+  return {newton.report(), v};
+}
+
+using Value = std::optional<std::pair<double, double>>;
+
+}  // namespace
+
+TEST_CASE("damped Newton reaches a root from where full steps lead away") {
+  const auto arctangent = [](double v) { return Value({std::atan(v), 1.0 / (1.0 + v * v)}); };
+  const DampedRun run = damped(20.0, arctangent, {.max_step = 1e3});
+  CHECK(run.report.converged());
+  CHECK(std::abs(run.v) < 1e-12);
+  const auto& history = run.report.residual_history;
+  for (std::size_t k = 1; k < history.size(); ++k) CHECK(history[k] <= history[k - 1]);
+  CHECK(damped(20.0, arctangent, {.max_halvings = 0, .max_step = 1e3}).report.status == NewtonStatus::stalled);
+  // A bound on the step serves as well.
+  CHECK(damped(20.0, arctangent, {.max_halvings = 0, .max_step = 0.5}).report.converged());
+}
+
+TEST_CASE("damped Newton halves a step beyond which the equations cannot be evaluated") {
+  const auto logarithm = [](double v) { return v > 0.0 ? Value({std::log(v), 1.0 / v}) : Value(); };
+  const DampedRun run = damped(10.0, logarithm, {.max_step = 10.0});
+  CHECK(run.report.converged());
+  CHECK(std::abs(run.v - 1.0) < 1e-12);
+  CHECK(damped(-1.0, logarithm).report.status == NewtonStatus::evaluation_failed);
+}
+
+TEST_CASE("damped Newton ends at rounding, and says why it ends elsewhere") {
+  const auto parabola = [](double v) { return Value({v * v - 2.0, 2.0 * v}); };
+  const DampedRun run = damped(1.0, parabola);
+  CHECK(run.report.converged());
+  CHECK(std::abs(run.v - std::sqrt(2.0)) < 1e-15);
+  CHECK(run.report.iterations() <= 8);
+  CHECK(damped(1.0, parabola, {.max_iterations = 2}).report.status == NewtonStatus::iteration_limit);
+  CHECK(damped(0.0, parabola).report.status == NewtonStatus::singular);
+  CHECK(damped(0.7, [](double v) { return Value({1.0 + v * v, 2.0 * v}); }).report.status == NewtonStatus::stalled);
+  // A member of a family: the derivative is rounding, the residual too.
+  const DampedRun family = damped(3.0, [](double) { return Value({1e-17, 1e-16}); });
+  CHECK(family.report.converged());
+  CHECK(family.v == 3.0);
 }
