@@ -328,7 +328,7 @@ void starts_csv(const Problem& problem, const Matrix& starts, const Basins& basi
     ends.back() += '\n';
   }
   Table head{state_columns(problem), {}};
-  head.columns.push_back("attractor");
+  add_heading(head, "attractor");
   add_columns(head, shown);
   sink(csv(head));
   write_items(threads, basins.outcomes.size(), sink, [&](std::size_t k, std::string& lines) {

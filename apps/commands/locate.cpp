@@ -41,7 +41,7 @@ const std::vector<std::string>& locatable() {
 }
 
 /// Largest distance of a point from --near: a twentieth of the value.
-double default_reach(double near) { return 0.05 * std::max(std::abs(near), 0.1); }
+double default_reach(double near) { return near == 0.0 ? 0.005 : 0.05 * std::abs(near); }
 
 Json all_options(const Problem& problem, const Options& options, double reach) {
   Json json = options_json(problem, options.orbit);
@@ -252,7 +252,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   add_choice(app, "--type", options->type, locatable(), "what is located", Need::required);
   add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
   add_number(app, "--near", options->near, "value of the parameter near which the point lies", Need::required);
-  add_number(app, "--reach", options->reach, "how far from --near it may lie (default: 5 % of it)");
+  add_number(app, "--reach", options->reach, "how far from --near it may lie (default: 5 % of it, or 0.005 of 0)");
   add_number(app, "--from", options->from,
              "the one value at which orbits are looked for (default: --near, then both sides of it)");
   add_quantity_option(app, options->quantities);

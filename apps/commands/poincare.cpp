@@ -48,11 +48,17 @@ void take_section(const Options& options, Problem& problem, SectionOptions& coll
   }
   std::vector<std::string> names = {forced ? "stroboscopic" : "returns", "impact"};
   collecting.kind = forced ? SectionKind::event : SectionKind::returns;
-  collecting.event = options.section;
+  // The events of a stop with a force are "left enter" and "left leave": its own name means the first.
+  const auto& events = problem.system.events;
+  const auto is_event = [&](const std::string& name) {
+    return std::any_of(events.begin(), events.end(), [&](const Event& event) { return event.name == name; });
+  };
+  const std::string entry = options.section + " enter";
+  collecting.event = !is_event(options.section) && is_event(entry) ? entry : options.section;
   std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < problem.system.events.size(); ++i) {
-    const std::string& name = problem.system.events[i].name;
-    if (name == options.section) chosen.push_back(i);
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const std::string& name = events[i].name;
+    if (name == collecting.event) chosen.push_back(i);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   if (!forced) problem.system.returns = chosen;

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -227,6 +228,16 @@ const std::string& meaning_of(const MapPlan& plan, const std::string& parameter)
   return parameters[parameter_index(parameters, parameter)].meaning;
 }
 
+/// Name of a parameter's dimension scale: the parameter's, with "_" behind it if something else in the file has that name.
+std::string scale_name(const MapPlan& plan, std::string parameter) {
+  std::set<std::string> taken = {"layer", "component", "start", "follow", "parameters", "y", "AttractorType"};
+  for (const MapField& field : plan.fields) taken.insert(field.dataset);
+  for (const ParameterAxis* axis : {&plan.grid.columns, &plan.grid.rows})
+    if (axis->parameter != parameter) taken.insert(axis->parameter);
+  while (taken.contains(parameter)) parameter += "_";
+  return parameter;
+}
+
 void write_layers(hid_t file, const MapPlan& plan, hid_t layer, hid_t component) {
   const auto layers = static_cast<hsize_t>(plan.layers()), states = static_cast<hsize_t>(plan.problem.system.states);
   std::vector<double> starts;
@@ -315,9 +326,10 @@ void write_content(hid_t file, const MapPlan& plan, const Json& head, const MapR
   write_head(file, plan, head);
   const ParameterGrid& grid = plan.grid;
   const auto states = static_cast<int>(plan.problem.system.states);
-  const Handle columns =
-      make_scale(file, grid.columns.parameter, values_of(grid.columns), meaning_of(plan, grid.columns.parameter));
-  const Handle rows_scale = make_scale(file, grid.rows.parameter, values_of(grid.rows), meaning_of(plan, grid.rows.parameter));
+  const auto scale_of = [&](const ParameterAxis& axis) {
+    return make_scale(file, scale_name(plan, axis.parameter), values_of(axis), meaning_of(plan, axis.parameter));
+  };
+  const Handle columns = scale_of(grid.columns), rows_scale = scale_of(grid.rows);
   const Handle layer = make_scale(file, "layer", numbers_to(plan.layers()), "number of the layer; see start and follow");
   const Handle component = make_scale(file, "component", numbers_to(states), component_meaning(plan.problem));
   write_layers(file, plan, layer, component);

@@ -187,10 +187,13 @@ MapRows rows_from_json(const MapPlan& plan, const Json& result) {
 void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSink& sink) {
   const ParameterGrid& grid = plan.grid;
   Table head{{"layer", grid.rows.parameter, grid.columns.parameter}, {}};
-  const std::vector<std::string> names = state_columns(plan.problem);
   for (const MapField& field : plan.fields) {
-    if (!field.of_states()) add_quantity_column(head, field.column.name);
-    if (field.of_states()) head.columns.insert(head.columns.end(), names.begin(), names.end());
+    if (field.of_states())
+      add_given_headings(head, state_columns(plan.problem));
+    else if (field.of_quantity())
+      add_quantity_column(head, field.column.name);
+    else
+      add_heading(head, field.column.name);
   }
   sink(csv(head));
   std::vector<std::string> columns;
@@ -202,7 +205,8 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
     for (std::size_t i = 0; i < points.size(); ++i) {
       const MapPoint& point = points[i];
       fmt::format_to(out, FMT_COMPILE("{},{},{}"), i / columns.size(), value, columns[i % columns.size()]);
-      for (const MapField& field : plan.fields) append_cells(lines, field.column, point, field.of_states() ? names.size() : 1);
+      for (const MapField& field : plan.fields)
+        append_cells(lines, field.column, point, field.of_states() ? plan.problem.system.states : 1);
       lines += '\n';
     }
     return lines;

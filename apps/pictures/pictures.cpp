@@ -177,6 +177,12 @@ std::string time_label(const Json& result) {
   return result.contains("states") ? "t" + unit_behind(result, "t") : "tau (dimensionless time)";
 }
 
+std::string exponent_label(const Json& result) {
+  if (!result.contains("states")) return "exponent (dimensionless)";
+  const std::string unit = unit_behind(result, "t");  // " / s"
+  return unit.empty() ? "exponent" : fmt::format("exponent / (1/{})", unit.substr(3));
+}
+
 std::string state_name(const Json& result, std::size_t state) {
   if (is_seen(result, state)) return result[shown_quantity];
   return result.contains("states") ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";

@@ -71,6 +71,8 @@ std::string unit_behind(const Problem& problem, const std::string& name);
 /// Names for axes: "eta (dimensionless)"; for a system written as text "A / mm", or the plain name if no unit is given.
 std::string parameter_label(const Json& result, const std::string& name);
 std::string time_label(const Json& result);
+/// Of Lyapunov exponents: "exponent (dimensionless)", "exponent / (1/s)".
+std::string exponent_label(const Json& result);
 
 /// "x", "x'", or the quantity that takes the state's place.
 std::string state_name(const Json& result, std::size_t state);

@@ -57,7 +57,7 @@ void add_sticking_marks(Picture& picture, const Json& result) {
 }
 
 Picture exponents_within(const Json& result, const std::array<double, 2>& x_range) {
-  Picture picture = frame(result, "Lyapunov exponents", "exponent (per unit of dimensionless time)");
+  Picture picture = frame(result, "Lyapunov exponents", exponent_label(result));
   picture.x_range = x_range;
   picture.legend_columns = 2;
   if (!result.at("rows").empty())

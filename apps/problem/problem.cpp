@@ -135,8 +135,8 @@ std::string parameter_name(const Problem& problem, const std::string& given) {
   if (const auto frequency = problem.system.forcing_frequency) return problem.system.parameters[*frequency].name;
   std::vector<std::string> names;
   for (const ParameterInfo& info : problem.system.parameters) names.push_back(info.name);
-  throw std::invalid_argument(fmt::format("{} names no parameter as its forcing frequency; give --param NAME, one of {}",
-                                          problem.file, fmt::join(names, ", ")));
+  const char* const why = is_forced(problem.system) ? "its forcing frequency is no parameter of its own" : "it has no forcing";
+  throw std::invalid_argument(fmt::format("{}: {}; give --param NAME, one of {}", problem.file, why, fmt::join(names, ", ")));
 }
 
 void check_parameter_name(const Problem& problem, std::string_view name) {

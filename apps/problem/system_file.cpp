@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 namespace graze::apps {
@@ -22,11 +23,14 @@ class Reader {
     check_keys(root, "the file",
                {"system", "parameters", "definitions", "modes", "events", "mechanics", "stops", "friction", "surfaces", "outputs",
                 "start", "tables", "units"});
-    const toml::table& system = table_of(root, "system", "[system]");
+    const bool mechanical = root.contains("mechanics");
+    if (!mechanical && !root.contains("system"))
+      refuse(place(root.source()), "there is no [system] with the names of the states");
+    static const toml::table empty;  // [mechanics] needs no more
+    const toml::table& system = root.contains("system") ? table_of(root, "system", "[system]") : empty;
     check_keys(system, "[system]", {"name", "states", "forcing", "period", "meaning"});
     out_.name = system.contains("name") ? string_of(system, "name", "[system]").text
                                         : std::filesystem::path(source_.file).stem().string();
-    const bool mechanical = root.contains("mechanics");
     if (mechanical) read_mechanics(table_of(root, "mechanics", "[mechanics]"));
     if (!mechanical || system.contains("states"))
       for (const toml::node& state : array_of(system, "states", "[system]")) out_.states.push_back(string_of(state, "states"));
@@ -330,7 +334,10 @@ class Reader {
 
 }  // namespace
 
-bool has_system(const toml::table& root) { return root.contains("system"); }
+bool has_system(const toml::table& root) {
+  constexpr std::array sections = {"system", "mechanics", "modes", "events", "stops", "friction", "surfaces"};
+  return std::any_of(sections.begin(), sections.end(), [&](const char* section) { return root.contains(section); });
+}
 
 SystemText read_system(const toml::table& root, Source source) { return Reader(std::move(source)).read(root); }
 

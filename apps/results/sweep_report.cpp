@@ -109,13 +109,14 @@ Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& param
 
 void samples_csv(const Problem& problem, const std::vector<SweepRow>& rows, const std::string& parameter, int threads,
                  const TextSink& sink, const RowQuantities& measured) {
-  static const Columns<SweepRow> columns = joined<SweepRow>({row_columns(), of_part<SweepRow, Attractor>(attractor_columns(), &SweepRow::attractor)});
+  static const Columns<SweepRow> columns =
+      joined<SweepRow>({row_columns(), of_part<SweepRow, Attractor>(attractor_columns(), &SweepRow::attractor)});
   std::vector<Shown> shown = {{"value", {parameter}}, {"direction"}, {"type", {"attractor"}}, {"period"}, {"impacts"},
                               {"exponents", {}}};
   for (std::size_t i = 1; i <= problem.system.states; ++i) shown.back().heads.push_back(fmt::format("exponent{}", i));
   Table head;
   add_columns(head, shown);
-  for (const std::string& name : state_columns(problem)) head.columns.push_back(name);
+  add_given_headings(head, state_columns(problem));
   const auto with_values = std::find_if(measured.begin(), measured.end(), [](const auto& values) { return !values.empty(); });
   if (with_values != measured.end()) add_columns(head, *with_values);
   sink(csv(head));

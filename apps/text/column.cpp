@@ -46,8 +46,24 @@ Json or_null(const Json& schema) {
   return out;
 }
 
+void add_heading(Table& table, const std::string& name) {
+  for (std::string& heading : table.columns)
+    if (heading == name) heading += '_';
+  table.columns.push_back(name);
+}
+
+void add_given_headings(Table& table, const std::vector<std::string>& names) {
+  for (std::string name : names) {
+    while (std::find(table.columns.begin(), table.columns.end(), name) != table.columns.end()) name += '_';
+    table.columns.push_back(std::move(name));
+  }
+}
+
 void add_columns(Table& table, const std::vector<Shown>& shown) {
-  for (const Shown& one : shown) table.columns.insert(table.columns.end(), one.heads.begin(), one.heads.end());
+  for (const Shown& one : shown) {
+    const bool own = one.heads == std::vector<std::string>{one.column};
+    own ? add_heading(table, one.column) : add_given_headings(table, one.heads);
+  }
 }
 
 void add_cells(std::vector<std::string>& row, const Json& value, const Shown& shown) {

@@ -320,6 +320,11 @@ struct Shown {
 /// Appends the cells of a JSON value: numbers, yes or no, text. A missing value is "-" for people, otherwise empty.
 void add_cells(std::vector<std::string>& row, const Json& value, const Shown& shown);
 
+/// Adds a heading of the program's own. A heading with this name, of a state or a parameter, gets "_" behind it.
+void add_heading(Table& table, const std::string& name);
+/// Adds headings named by a file: states and parameters. A name that is taken gets "_" behind it.
+void add_given_headings(Table& table, const std::vector<std::string>& names);
+
 /// The headings of a table, and the cells of a record.
 void add_columns(Table& table, const std::vector<Shown>& shown);
 template <class T>

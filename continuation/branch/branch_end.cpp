@@ -18,6 +18,15 @@ Vector parameters_at(const HybridSystem& system, const Branch& branch, double va
 
 }  // namespace
 
+bool releases_beyond(const HybridSystem& system, const Branch& branch, double value) {
+  const BranchPoint& end = branch.points.back();
+  if (!end.signature.events.empty() || system.modes[end.signature.mode].constraints.empty()) return false;
+  Propagator propagator(system, parameters_at(system, branch, value));
+  Transition transition;
+  carry(propagator, 0.0, end.duration, end.states.front(), {.sensitivity = Sensitivity::none, .max_events = 1}, transition);
+  return !transition.event_sequence.empty() && system.events[transition.event_sequence.front()].kind == EventKind::release;
+}
+
 OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
                            double high, int copies) {
   const double scale = std::max(high - low, 1e-6 * (1.0 + std::abs(high)));

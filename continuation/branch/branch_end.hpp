@@ -21,6 +21,10 @@ OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbi
 std::optional<PeriodicOrbit> half_period_orbit(const HybridSystem& system, const Branch& branch,
                                                const ContinuationOptions& options);
 
+/// Whether something is held all along the last orbit of the branch, and the motion from there is released at this value of the
+/// parameter.
+bool releases_beyond(const HybridSystem& system, const Branch& branch, double value);
+
 /// The grazing at the end of the branch, located again from the last of its points that Newton's method reproduces. Empty if
 /// none of them leads there.
 std::optional<GrazingEnd> relocate_grazing_end(const HybridSystem& system, const Branch& branch,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/branch/branch_end.hpp>
 #include <graze/continuation/branch/branch_follower.hpp>
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
@@ -523,11 +524,14 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
   } else {
     const bool meets_release = refused_ && refused_->met && system_.events[refused_->met->event].kind == EventKind::release;
-    const std::string reason = released || meets_release ? "what is held all along the orbits before is released there"
+    const bool lifts_off = curve.first_failed && releases_beyond(system_, branch, problem.value(*curve.first_failed));
+    const std::string reason = released || meets_release || lifts_off
+                                   ? "what is held all along the orbits before is released there"
                                : refused_ ? "several contacts graze there so close together that they cannot be told apart"
                                           : curve.failure;
-    stop(BranchStop::step_too_small, fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})",
-                                                 branch.parameter, problem.value(curve.points.back().u), reason));
+    const double last = curve.points.empty() ? end.value : problem.value(curve.points.back().u);  // empty: not begun again
+    stop(BranchStop::step_too_small,
+         fmt::format("no point is found beyond {} = {:.12g} even with the smallest step ({})", branch.parameter, last, reason));
     if (curve.first_failed) {
       BranchPoint failed;
       failed.value = problem.value(*curve.first_failed);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace graze {
@@ -18,7 +19,7 @@ double square(double x) { return x * x; }
 TangentFrame::TangentFrame(std::size_t directions)
     : Q_(Matrix::Identity(static_cast<Eigen::Index>(directions), static_cast<Eigen::Index>(directions))), growth_(directions) {}
 
-const std::vector<double>& TangentFrame::orthonormalise(double log_det, double liouville) {
+const std::vector<double>& TangentFrame::orthonormalise(double log_det, double liouville, int lost) {
   is_measured_ = true;
   if (Q_.rows() == 2) {
     orthonormalise_with<Eigen::Matrix2d>();
@@ -28,10 +29,11 @@ const std::vector<double>& TangentFrame::orthonormalise(double log_det, double l
     }
   } else {
     orthonormalise_with<Matrix>();
+    std::fill(growth_.end() - lost, growth_.end(), -std::numeric_limits<double>::infinity());  // in place of rounding
   }
   const double others = std::accumulate(growth_.begin(), growth_.end() - 1, 0.0);
   constexpr double shrunk = 1e-3;  // relative to the first; below, the entries' own error (1e-13) would be visible
-  const bool shrinks = growth_.back() < growth_.front() + std::log(shrunk);
+  const bool shrinks = lost == 0 && growth_.back() < growth_.front() + std::log(shrunk);
   if (shrinks && growth_.size() > 1 && std::isfinite(liouville) && std::isfinite(others)) {
     growth_.back() = liouville - others;
     is_measured_ = false;
@@ -73,11 +75,12 @@ void FrameMotion::carry(std::size_t periods, Kind kind, int interval) {
     if (kind == Kind::parting) continue;
     frame_.advance(transition_.Phi);
     if (kind == Kind::aligning) {
-      frame_.orthonormalise(transition_.log_det, transition_.liouville);
+      frame_.orthonormalise(transition_.log_det, transition_.liouville, transition_.lost);
       continue;
     }
     log_det_ += transition_.log_det;
     liouville_ += transition_.liouville;
+    lost_now_ = std::max(lost_now_, transition_.lost);
     time_ += transition_.duration;
     for (const std::size_t event : transition_.event_sequence) impacts_ += begins_contact(system_->events[event].kind) ? 1 : 0;
     if (++periods_ == interval) end_interval(interval);
@@ -85,7 +88,7 @@ void FrameMotion::carry(std::size_t periods, Kind kind, int interval) {
 }
 
 void FrameMotion::end_interval(int interval) {
-  const std::vector<double>& growth = frame_.orthonormalise(log_det_, liouville_);
+  const std::vector<double>& growth = frame_.orthonormalise(log_det_, liouville_, lost_now_);
   if (!forced_) times_.add(time_);
   double sum = 0.0;
   for (std::size_t i = 0; i < growth.size(); ++i) {
@@ -100,6 +103,7 @@ void FrameMotion::end_interval(int interval) {
   if (frame_.is_measured() && std::isfinite(sum) && std::isfinite(liouville_))
     liouville_residual_ = std::max(liouville_residual_, std::abs(sum - liouville_) / interval);
   log_det_ = liouville_ = time_ = 0.0;
+  lost_now_ = 0;
   periods_ = 0;
 }
 

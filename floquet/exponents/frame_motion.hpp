@@ -23,8 +23,9 @@ class TangentFrame {
   /// ln of the growth of each direction since the last call; -infinity for a lost one. `log_det`: ln|det| of the matrices since
   /// then, factor by factor, or not finite. With two directions it gives the second one, which next to grazing (stretched by
   /// 1/v) is lost to rounding in the product. `liouville`: the same from Liouville's identity. It gives the last direction
-  /// where volumes shrink so much at once that this direction is lost to cancellation.
-  const std::vector<double>& orthonormalise(double log_det, double liouville);
+  /// where volumes shrink so much at once that this direction is lost to cancellation. `lost`: number of directions that are
+  /// lost for sure (Transition::lost).
+  const std::vector<double>& orthonormalise(double log_det, double liouville, int lost);
 
   /// Whether the last growths were computed from the matrices, so that their sum can be checked against Liouville's identity.
   bool is_measured() const { return is_measured_; }
@@ -84,6 +85,7 @@ class FrameMotion : public MotionGrowth<std::vector<BatchMeans>, std::vector<boo
   Vector state_;
   TangentFrame frame_;
   double log_det_ = 0.0, liouville_ = 0.0, time_ = 0.0;  ///< since the last orthonormalisation
+  int lost_now_ = 0;                                     ///< the same of Transition::lost
   ReturnTimes times_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/multipliers.hpp>
+#include <graze/lib/numerics/rank.hpp>
 
 #include <Eigen/Eigenvalues>
 
@@ -19,37 +20,23 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 /// of 2.
 constexpr int sweeps = 12, sweeps_of_large_blocks = 60;
 
-/// Determinant; exactly zero for a matrix of deficient rank (k_r = 0, sticking, a plastic collision). The rank does not depend
-/// on the scales of rows and columns: near grazing a saltation matrix has an entry like 1/speed without being singular.
-double determinant(const Matrix& A) {
-  const Eigen::Index n = A.rows();
-  const double small = 8.0 * epsilon * static_cast<double>(n);
-  if (n == 2) {
-    const double down = A(0, 0) * A(1, 1), up = A(0, 1) * A(1, 0);
-    return std::abs(down - up) <= small * (std::abs(down) + std::abs(up)) ? 0.0 : down - up;
-  }
-  Matrix scaled = A;
-  int scale = 0;
-  const auto normalise = [&](auto&& line) {
-    const double size = line.template lpNorm<Eigen::Infinity>();
-    const int e = size > 0.0 ? std::ilogb(size) : 0;
-    line *= std::ldexp(1.0, -e);
-    scale += e;
-  };
-  for (Eigen::Index i = 0; i < n; ++i) normalise(scaled.row(i));
-  for (Eigen::Index j = 0; j < n; ++j) normalise(scaled.col(j));
-  Eigen::FullPivLU<Matrix> lu(scaled);
-  lu.setThreshold(small);
-  return lu.isInvertible() ? std::ldexp(lu.determinant(), scale) : 0.0;
-}
+/// Determinants of the factors, and the largest deficiency of their ranks: at least as many multipliers are zero.
+struct Determinants {
+  std::vector<double> list = {};
+  Eigen::Index deficiency = 0;
+};
 
-std::vector<double> determinants(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
-  std::vector<double> list;
+Determinants determinants(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
+  Determinants out;
   for (std::size_t k = 0; k < factors.size(); ++k) {
-    list.push_back(determinant(factors[k]));
-    if (list.back() == 0.0 && k < log_dets.size() && std::isfinite(log_dets[k])) list.back() = std::exp(log_dets[k]);
+    auto [det, deficiency] = ranked_determinant(factors[k]);
+    if (deficiency > 0 && k < log_dets.size() && std::isfinite(log_dets[k]))  // only lost to rounding
+      det = std::exp(log_dets[k]);
+    else
+      out.deficiency = std::max(out.deficiency, deficiency);
+    out.list.push_back(det);
   }
-  return list;
+  return out;
 }
 
 /// Matrix with at most the rows and columns of a square matrix.
@@ -185,7 +172,8 @@ void sort_by_modulus(std::vector<std::complex<double>>& values) {
 }
 
 template <class Square>
-std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& dets) {
+std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors, const Determinants& determinants) {
+  const std::vector<double>& dets = determinants.list;
   const Eigen::Index n = factors.front().rows();
   Square Q = Square::Identity(n, n);
   TriangularForm<Square> form;
@@ -206,13 +194,14 @@ std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors
     first += size;
   }
   sort_by_modulus(values);
+  std::fill(values.end() - determinants.deficiency, values.end(), 0.0);
   return values;
 }
 
 /// The states that keep their values while other ones are held: the row of each partial product is exactly the unit row. A map
 /// of full rank holds nothing.
 std::vector<Eigen::Index> kept_states(const MonodromyMatrix& monodromy) {
-  const std::vector<double> dets = determinants(monodromy.factors, monodromy.log_dets);
+  const std::vector<double> dets = determinants(monodromy.factors, monodromy.log_dets).list;
   if (std::find(dets.begin(), dets.end(), 0.0) == dets.end()) return {};
   const Eigen::Index n = monodromy.factors.front().rows();
   std::vector<Eigen::Index> kept(static_cast<std::size_t>(n));
@@ -247,9 +236,11 @@ Matrix MonodromyMatrix::product() const {
   return M;
 }
 
-std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& log_dets) {
+std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors, const std::vector<double>& log_dets,
+                                                      int lost) {
   if (factors.empty()) return {};
-  const std::vector<double> dets = determinants(factors, log_dets);
+  Determinants dets = determinants(factors, log_dets);
+  dets.deficiency = std::min(std::max<Eigen::Index>(dets.deficiency, lost), factors.front().rows());
   return factors.front().rows() == 2 ? eigenvalues<Eigen::Matrix2d>(factors, dets) : eigenvalues<Matrix>(factors, dets);
 }
 
@@ -273,14 +264,14 @@ FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
   const MonodromyMatrix others = kept.empty() ? MonodromyMatrix{} : without(whole, kept);
   const MonodromyMatrix& monodromy = kept.empty() ? whole : others;
   if (monodromy.section == Section::stroboscopic) {
-    result.values = product_eigenvalues(monodromy.factors, monodromy.log_dets);
+    result.values = product_eigenvalues(monodromy.factors, monodromy.log_dets, monodromy.lost);
   } else {
     // M carries the direction of the field into itself. As first basis vector it splits off the trivial multiplier; the lower
     // right blocks of the factors remain.
     const Eigen::Index n = monodromy.trivial_direction.size();
     Matrix Q = Eigen::HouseholderQR<Matrix>(monodromy.trivial_direction).householderQ() * Matrix::Identity(n, n);
     TriangularForm<Matrix> form;
-    sweep(monodromy.factors, determinants(monodromy.factors, monodromy.log_dets), Q, form);
+    sweep(monodromy.factors, determinants(monodromy.factors, monodromy.log_dets).list, Q, form);
     std::vector<Matrix> rest;
     double along = form.E(0, 0);
     for (const Matrix& R : form.R) {
@@ -289,7 +280,7 @@ FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
     }
     if (n > 1) {
       rest.push_back(form.E.bottomRightCorner(n - 1, n - 1));
-      result.values = product_eigenvalues(rest);
+      result.values = product_eigenvalues(rest, {}, monodromy.lost);
     }
     result.values.emplace_back(along);
     result.trivial = 1;

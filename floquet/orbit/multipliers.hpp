@@ -26,6 +26,7 @@ struct MonodromyMatrix {
   /// ln|det| of each factor by Liouville's identity, NaN where this gives nothing; may be empty. Used if the determinant is
   /// lost to rounding in a factor's entries (strong damping), so that a small multiplier is not taken for zero.
   std::vector<double> log_dets = {};
+  int lost = 0;  ///< so many multipliers are zero for sure (Transition::lost), which the entries of M show up to rounding
   Matrix product() const;
 };
 
@@ -49,9 +50,9 @@ struct FloquetMultipliers {
 /// Multipliers of an orbit of the given duration (dimensionless time).
 FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration);
 
-/// Eigenvalues of a product of square matrices, computed from its factors, by decreasing modulus; `log_dets` as in
+/// Eigenvalues of a product of square matrices, computed from its factors, by decreasing modulus; `log_dets` and `lost` as in
 /// MonodromyMatrix.
 std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors,
-                                                      const std::vector<double>& log_dets = {});
+                                                      const std::vector<double>& log_dets = {}, int lost = 0);
 
 }  // namespace graze

@@ -169,6 +169,7 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
     orbit.monodromy.factors.insert(orbit.monodromy.factors.end(), stretch.factors.begin(), stretch.factors.end());
     orbit.monodromy.log_dets.insert(orbit.monodromy.log_dets.end(), stretch.factor_log_dets.begin(),
                                     stretch.factor_log_dets.end());
+    orbit.monodromy.lost = std::max(orbit.monodromy.lost, stretch.lost);
     log_det += stretch.log_det;
     liouville += stretch.liouville;
   }

@@ -27,6 +27,7 @@ ShootingEquations::ShootingEquations(const HybridSystem& system, const Vector& p
   stretches_.resize(static_cast<std::size_t>(nodes_));
   start_fields_.assign(static_cast<std::size_t>(nodes_), Vector::Zero(n_));
   end_fields_ = start_fields_;
+  held_modes_.resize(static_cast<std::size_t>(nodes_));
 }
 
 double ShootingEquations::duration(const Vector& u) const {
@@ -53,9 +54,12 @@ bool ShootingEquations::evaluate(const Vector& u, const TransitionOptions& optio
     const double start = node_time(u, j);
     const Vector x0 = node(u, j);
     Transition& transition = stretches_[index];
-    carry(propagator_, start, start + length, x0, options_of_stretch(j, options), transition);
+    TransitionOptions its = options_of_stretch(j, options);
+    its.held_mode = held_modes_[index];
+    carry(propagator_, start, start + length, x0, its, transition);
     failure_ = transition.termination;
     if (failure_ != Termination::time) return false;
+    held_modes_[index] = transition.mode0;
     propagator_.field(transition.mode0, start, x0, start_fields_[index]);
     propagator_.field(transition.mode1, start + length, transition.x1, end_fields_[index]);
   }

@@ -92,7 +92,8 @@ class ShootingEquations {
   Vector phase_reference_, phase_normal_;
   std::vector<Transition> stretches_;
   std::vector<Vector> start_fields_, end_fields_;
-  std::map<int, LeftOutContact> left_out_;  ///< by stretch
+  std::vector<std::optional<std::size_t>> held_modes_;  ///< TransitionOptions::held_mode: the mode at a node, last time
+  std::map<int, LeftOutContact> left_out_;              ///< by stretch
   Termination failure_ = Termination::failed;
 };
 

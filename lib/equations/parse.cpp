@@ -453,6 +453,13 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
   return nearest.empty() ? std::string() : fmt::format("; did you mean '{}'?", nearest);
 }
 
+std::string suggestion_or_list(std::string_view name, const std::vector<std::string>& candidates) {
+  constexpr std::size_t most = 32;
+  const std::string near = suggestion(name, candidates);
+  if (!near.empty() || candidates.empty() || candidates.size() > most) return near;
+  return fmt::format("; choose one of {}", fmt::join(candidates, ", "));
+}
+
 bool has_names(const Source& source, const Text& text, std::string_view where) {
   const Reader reader(source, text);
   const std::vector<std::string>& reserved = reserved_names();

@@ -77,6 +77,8 @@ std::vector<Expression> parse_definitions(Graph& graph, const Source& source, st
 /// "; did you mean 'eta'?" with the nearest candidate; empty if none is near. (Empty for a name of one letter, to which every
 /// other letter is near.)
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
+/// The same, or "; choose one of ..." if none is near and they are few.
+std::string suggestion_or_list(std::string_view name, const std::vector<std::string>& candidates);
 
 /// True if the text contains names other than functions, t and pi.
 bool has_names(const Source& source, const Text& text, std::string_view where);

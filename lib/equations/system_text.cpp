@@ -35,13 +35,13 @@ constexpr double period_tolerance = 1e-8;
 constexpr double constraint_tolerance = 1e-10;
 
 /// A constraint of a mode and its tolerance, relative to 1 + |x|.
-struct Constraint {
+struct ToleratedConstraint {
   ScalarFunction value;
   double tolerance = constraint_tolerance;
 };
 
 /// Determines the mode of a state from the guards of each mode (see system_text.hpp).
-InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<Constraint>>& constraints) {
+InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<ToleratedConstraint>>& constraints) {
   std::vector<VectorFunction> fields;
   std::vector<std::vector<Guard>> guards(system.modes.size());
   for (const Mode& mode : system.modes) fields.push_back(mode.field);
@@ -61,7 +61,7 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
     const double size = 1.0 + x.lpNorm<Eigen::Infinity>();
     const auto keeps_constraints = [&](std::size_t mode) {
       return std::all_of(constraints[mode].begin(), constraints[mode].end(),
-                         [&](const Constraint& one) { return std::abs(one.value(t, x, p)) <= one.tolerance * size; });
+                         [&](const ToleratedConstraint& one) { return std::abs(one.value(t, x, p)) <= one.tolerance * size; });
     };
     const auto motion_stays_in = [&](std::size_t mode) {
       return keeps_constraints(mode) && std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
@@ -425,7 +425,7 @@ class Builder {
       if (pieces_.modes[i].name == name.text) return i;
       names.push_back(pieces_.modes[i].name);
     }
-    refuse(name.place, fmt::format("the event {} names an unknown mode '{}'{}", event, name.text, suggestion(name.text, names)));
+    refuse(name.place, fmt::format("the event {} names an unknown mode '{}'{}", event, name.text, suggestion_or_list(name.text, names)));
   }
 
   /// A mode to which a reset may lead; it does if the conditions are positive.
@@ -472,7 +472,7 @@ class Builder {
         const auto found = std::find(kinds.begin(), kinds.end(), text.kind->text);
         if (found == kinds.end())
           refuse(text.kind->place, fmt::format("the event {} has an unknown kind '{}'{}", name, text.kind->text,
-                                               suggestion(text.kind->text, kinds)));
+                                               suggestion_or_list(text.kind->text, kinds)));
         event.kind = event_kinds[static_cast<std::size_t>(found - kinds.begin())];
       }
       const Expression guard =
@@ -488,7 +488,7 @@ class Builder {
           const auto i = state_number(one.name);
           if (!i)
             refuse(one.place, fmt::format("the reset of {} sets '{}', which is no state{}", name, one.name,
-                                          suggestion(one.name, symbols_.states)));
+                                          suggestion_or_list(one.name, symbols_.states)));
           if (one.primed) refuse(one.place, fmt::format("the reset of {} sets a rate; write {} = ...", name, one.name));
           if (seen[*i]++) refuse(one.place, fmt::format("the reset of {} sets {} twice", name, one.name));
           map[*i] = one.value;
@@ -534,7 +534,7 @@ class Builder {
         std::vector<std::string> candidates;
         for (const ParameterText& one : text_.parameters) candidates.push_back(one.name.text);
         refuse(place.place, fmt::format("the forcing frequency '{}' is no parameter{}", text_.forcing->text,
-                                        suggestion(text_.forcing->text, candidates)));
+                                        suggestion_or_list(text_.forcing->text, candidates)));
       }
       period = graph_.divide(two_pi, names_.at(text_.forcing->text));
     } else {
@@ -683,8 +683,8 @@ class Builder {
         const bool exact = fixed && !dependence(graph_, fixed->value).moves();
         constraints_.back().push_back({scalar_function(graph_, one.value), exact ? guard_tolerance : constraint_tolerance});
         mode.constraints.push_back({numbers.try_emplace(one.value, numbers.size()).first->second,
-                                    gradient_in_states(graph_, one.value), gradient_in_parameters(graph_, one.value),
-                                    vector_function(graph_, one.direction)});
+                                    scalar_function(graph_, one.value), gradient_in_states(graph_, one.value),
+                                    gradient_in_parameters(graph_, one.value), vector_function(graph_, one.direction)});
       }
       out_.system.modes.push_back(std::move(mode));
       out_.modes.push_back({piece.field, piece.equation});
@@ -811,7 +811,7 @@ class Builder {
       const auto i = state_number(one.state.text);
       if (!i)
         refuse(one.state.place, fmt::format("the start gives '{}', which is no state{}", one.state.text,
-                                            suggestion(one.state.text, symbols_.states)));
+                                            suggestion_or_list(one.state.text, symbols_.states)));
       double& value = x[static_cast<Eigen::Index>(*i)];
       if (!std::isnan(value)) refuse(one.state.place, fmt::format("the start gives {} twice", one.state.text));
       value = value_of(parse_expression(graph_, text_.source, one.value, parameter_scope(),
@@ -912,7 +912,7 @@ class Builder {
 
   const SystemText& text_;
   std::vector<Text> state_texts_;
-  std::vector<std::vector<Constraint>> constraints_;  // of each mode
+  std::vector<std::vector<ToleratedConstraint>> constraints_;  // of each mode
   TextSystem out_;
   Graph& graph_;
   std::map<std::string, std::string, std::less<>> kinds_;  // name -> "state", "parameter", "definition" or "output"

@@ -224,6 +224,9 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
                           : event.accumulation->pressing ? event.accumulation->pressing(state.t, state.x, p_)
                                                          : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
   const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short counts as none
+  // The error of the state is the square of the window. That of the derivative where other masses move along is the window
+  // itself: there it is smaller.
+  const double window = (system_->states > 2 ? 1e-3 : 1.0) * options_.accumulation_window;
   double remaining = 0.0;
   const bool moving = before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
   if (moving) {
@@ -232,7 +235,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     if (flight > instant) {
       if (after >= before) return false;  // no loss: a series of equal flights does not end
       remaining = flight / (1.0 - after / before);
-      if (!(remaining < options_.accumulation_window)) return false;
+      if (!(remaining < window)) return false;
     }
   } else if (!(pressing > -guard_tolerance)) {
     return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)

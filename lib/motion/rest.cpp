@@ -129,6 +129,44 @@ std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::spa
   return map;
 }
 
+bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double t, const Vector& p, Vector& x) {
+  const std::vector<Constraint>& constraints = system.modes[mode].constraints;
+  const auto n = static_cast<Eigen::Index>(system.states), count = std::ssize(constraints);
+  const double size = 1.0 + x.lpNorm<Eigen::Infinity>();
+  constexpr double rounding = 1e-15, farthest = 1e-2;
+  constexpr int most_steps = 8;
+  Vector values(count), line(n), at = x;
+  const auto evaluate = [&] {
+    for (Eigen::Index k = 0; k < count; ++k) values[k] = constraints[static_cast<std::size_t>(k)].value(t, at, p);
+    return count > 0 ? values.lpNorm<Eigen::Infinity>() : 0.0;
+  };
+  Matrix C(count, n), D(n, count);
+  double off = evaluate();
+  for (int step = 0; step < most_steps && off > rounding * size; ++step) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Constraint& one = constraints[static_cast<std::size_t>(k)];
+      one.dx(t, at, p, line);
+      C.row(k) = line;
+      one.direction(t, at, p, line);
+      D.col(k) = line;
+    }
+    const Eigen::FullPivLU<Matrix> CD(C * D);
+    if (!CD.isInvertible()) return false;
+    const Vector before = at;
+    at -= D * CD.solve(values);
+    const double now = evaluate();
+    if (!(now < off)) {  // rounding
+      at = before;
+      break;
+    }
+    off = now;
+  }
+  constexpr double reached = 1e-12;
+  if (!(off <= reached * size) || (at - x).lpNorm<Eigen::Infinity>() > farthest * size) return false;
+  x = at;
+  return true;
+}
+
 HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p, double duration) {
   HeldMap out{Matrix(x.size(), x.size()), -std::numeric_limits<double>::infinity()};
   if (loses_energy(holding, p)) {

@@ -44,6 +44,10 @@ struct ConstraintMap {
 std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::span<const Constraint* const> constraints,
                                             const HybridState& at, const Vector& p, std::span<const std::size_t> active);
 
+/// Moves a state near the constraints of a mode onto them, along their directions: the motion itself does that at once. False:
+/// they are not reached, or not within a hundredth of 1 + |x|.
+bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double t, const Vector& p, Vector& x);
+
 /// The state of permanent rest at the stop near `state`: held there at forcing phase 0, not released within a forcing period,
 /// and with all other coordinates at the same place after it. Empty: there is none, or the system is not forced.
 std::optional<Vector> permanent_rest(Propagator& propagator, const Vector& state);

@@ -3,6 +3,7 @@
 #include <graze/lib/lanes/oscillator.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/motion/transition.hpp>
+#include <graze/lib/numerics/rank.hpp>
 
 #include <fmt/format.h>
 
@@ -56,6 +57,7 @@ class Composer {
     out.events.clear();
     out.event_sequence.clear();
     out.log_det = out.liouville = 0.0;
+    out.lost = 0;
     out.return_map.resize(0, 0);
     if (!tangent_) return;
     out.Phi.setIdentity(n, n);
@@ -69,9 +71,14 @@ class Composer {
     state_.t = t0;
     state_.x = x0;
     state_.mode = 0;
-    const std::optional<std::size_t> mode = mode_at(propagator_.system(), t0, x0, propagator_.parameters());
+    const HybridSystem& system = propagator_.system();
+    const Vector& p = propagator_.parameters();
+    std::optional<std::size_t> mode = mode_at(system, t0, x0, p);
+    if (!mode && options_.held_mode && settle_on_constraints(system, *options_.held_mode, t0, p, state_.x))
+      mode = mode_at(system, t0, state_.x, p);
     if (!mode) return fail(Termination::inadmissible_start);
     out_.mode0 = state_.mode = *mode;
+    if (!system.modes[*mode].constraints.empty()) settle_on_constraints(system, *mode, t0, p, state_.x);
     keep_constraints();
     return true;
   }
@@ -93,7 +100,7 @@ class Composer {
     for (;;) {
       if (cancelled && cancelled()) return fail(Termination::interrupted);
       const StepEnd end = propagator_.step(state_, longest_return, options_.sensitivity);
-      if (end == StepEnd::failed) return fail(propagator_.failure());
+      if (end == StepEnd::failed) return motion_lasts() ? rest() : fail(propagator_.failure());
       compose_segment();
       if (end == StepEnd::time) return rest();
       const std::optional<Termination> period = propagator_.period_end(state_);
@@ -145,6 +152,16 @@ class Composer {
   }
 
  private:
+  /// Whether a flight that has used up its steps was so long that no return can be expected. The state becomes its end.
+  bool motion_lasts() {
+    constexpr double long_flight = 0.1 * longest_return;
+    const Segment& flight = propagator_.segment();
+    if (!(flight.t1 - flight.t0 >= long_flight) || propagator_.failure() != Termination::integration_failed) return false;
+    state_.t = flight.t1;
+    state_.x = flight.x1;
+    return true;
+  }
+
   bool rest() {
     out_.x1 = state_.x;
     return fail(Termination::no_return);
@@ -206,6 +223,7 @@ class Composer {
       }
     }
     if (std::isinf(held.log_det)) forget(held.Phi);
+    note_lost(held.Phi);
     out_.Phi = out_.Phi * held.Phi;
     out_.log_det += held.log_det;
     out_.liouville += held.log_det;
@@ -213,6 +231,14 @@ class Composer {
     out_.factor_log_dets.insert(out_.factor_log_dets.begin(),
                                 std::isfinite(held.log_det) ? held.log_det : std::numeric_limits<double>::quiet_NaN());
     out_.factors.insert(out_.factors.begin(), std::move(held.Phi));
+  }
+
+  /// Notes the directions that a factor loses; whether there are any. (With two states its entries are exactly zero.)
+  bool note_lost(const Matrix& factor) {
+    if (factor.rows() == 2) return false;
+    const auto lost = static_cast<int>(rank_deficiency(factor));
+    out_.lost = std::max(out_.lost, lost);
+    return lost > 0;
   }
 
   void keep_constraints() {
@@ -224,10 +250,11 @@ class Composer {
   /// Drops the constraints whose disturbances the map of a held mass already annihilates.
   void forget(const Matrix& held) {
     Vector gradient(held.rows());
-    std::erase_if(kept_, [&](const Constraint* one) {
+    const auto annihilated = std::erase_if(kept_, [&](const Constraint* one) {
       one->dx(start_.t, start_.x, propagator_.parameters(), gradient);
       return (gradient.transpose() * held).lpNorm<Eigen::Infinity>() <= lost_part * gradient.lpNorm<Eigen::Infinity>();
     });
+    out_.lost = std::max(out_.lost, static_cast<int>(annihilated));
   }
 
   /// Composes the map of the constraints that have held from start to end: a disturbance off them is lost at once. (Where a
@@ -237,6 +264,7 @@ class Composer {
     std::optional<ConstraintMap> lost = constraint_map(propagator_.system(), kept_, start_, propagator_.parameters(), active);
     if (!lost) return;
     if (parameters_ > 0) out_.Psi += out_.Phi * lost->dp;
+    note_lost(lost->dx);
     out_.Phi = out_.Phi * lost->dx;
     if (out_.return_map.size() > 0) out_.return_map = out_.return_map * lost->dx;
     out_.log_det = out_.liouville = -std::numeric_limits<double>::infinity();
@@ -260,7 +288,8 @@ class Composer {
     if (event.continuous) return true;  // S is the identity
     multiply_from_left(saltation.S, out_.Phi);
     if (parameters_ > 0) out_.Psi = saltation.S * out_.Psi + saltation.Sp;
-    const double volume = std::log(std::abs(determinant(saltation.S)));
+    const bool singular = note_lost(saltation.S);
+    const double volume = singular ? -std::numeric_limits<double>::infinity() : std::log(std::abs(determinant(saltation.S)));
     out_.log_det += volume;
     const bool known = event.log_volume_change && record.kind != EventKind::stick;
     out_.liouville += known ? event.log_volume_change(propagator_.parameters()) : volume;

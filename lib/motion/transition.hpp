@@ -2,7 +2,8 @@
 // Transition: a state carried from t0 to t1 through all events on the way, with the first-order map along it.
 //
 //     dx1 = Phi dx0 + Psi dp   (t0, t1 fixed),    Phi = product of segment transition and saltation matrices.
-// The factors are kept one by one for the multipliers in product form.
+// The factors are kept one by one for the multipliers in product form. A start in a mode with constraints is first moved onto
+// them (settle_on_constraints): rounding, or a guess, may have left them.
 //
 // A period of a forced system is a forcing period from phase 0. A period of an autonomous system is the motion from right after
 // a return (returns_of) to right after the next, and the map from state to state is the return map:
@@ -43,6 +44,7 @@ struct Transition {
   Touch touch;                              ///< if TransitionOptions::left_out
   double log_det = 0.0;    ///< sum of ln|det| of the factors, from their entries; NaN if it is lost to cancellation
   double liouville = 0.0;  ///< the same from Liouville's identity: divergence and volume changes of the contact laws
+  int lost = 0;            ///< directions of disturbances that are lost for sure: at most n - rank of Phi; 0 for two states
   double duration = 0.0;   ///< of a period (carry_period)
   Matrix return_map;       ///< first-order map from return to return, of an autonomous system (carry_period); else empty
 };
@@ -58,6 +60,8 @@ struct TransitionOptions {
   bool keep_events = false;
   std::size_t max_events = 10000;
   std::optional<LeftOutContact> left_out = {};
+  /// The mode at the start if the state is in none, but near the constraints of this one: it is moved onto them.
+  std::optional<std::size_t> held_mode = {};
 };
 
 /// Carries x0 from t0 to t1. A start that is not admissible is a termination, not an exception.

@@ -44,6 +44,7 @@ using ScalarFunction = std::function<double(double t, const Vector& x, const Vec
 /// `direction`, in a time proportional to it: its multiplier is zero.
 struct Constraint {
   std::size_t number = 0;    ///< the same in all modes that preserve it
+  ScalarFunction value;      ///< zero in the mode
   VectorFunction dx;         ///< gradient in x (n)
   VectorFunction dp;         ///< gradient in p; empty: does not depend on p
   VectorFunction direction;  ///< (n)

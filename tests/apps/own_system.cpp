@@ -8,7 +8,9 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 using namespace graze;
@@ -495,6 +497,55 @@ TEST_CASE("a mistake in a system gives one sentence with its place") {
   CHECK_THAT(error("spring = \"x + 0.5*x^3\"", "spring = \"x + x^(3/2)\""), Contains("wrong.toml:"));
   CHECK_THAT(error("xi  = \"A*eta^2\"", "xi  = \"A*xi\""), Contains("xi"));
   CHECK_THAT(error("reset = \"v = -0.8*v\"", "reset = \"x = x + 1\""), Contains("wrong.toml:"));
+}
+
+TEST_CASE("unknown modes, kinds, states and frequencies are refused with what there is (fixed)") {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& replaced, const std::string& by) {
+    const Outcome outcome = call({"orbit", folder.write("unknown.toml", duffing(replaced, by)), "--quiet"});
+    CHECK(outcome.code == 2);
+    return outcome.err;
+  };
+  CHECK_THAT(refusal(R"(kind  = "impact")", R"(kind  = "bounce")"),
+             Contains("choose one of impact, enter, leave, stick, release"));
+  CHECK_THAT(refusal(R"(kind  = "impact")", "to = \"nowhere\""), Contains("choose one of free"));
+  CHECK_THAT(refusal(R"(reset = "v = -0.8*v")", R"(reset = "q = -0.8*v")"), Contains("choose one of x, v"));
+  CHECK_THAT(refusal(R"(forcing = "eta")", R"(forcing = "z")"), Contains("choose one of b, eta, A, xi, r"));
+}
+
+TEST_CASE("[mechanics] needs no [system], and any other section of a system asks for it (fixed)") {
+  const TemporaryFolder folder;
+  const std::string mechanics = "[mechanics]\ncoordinates = [\"x\"]\nvelocities = [\"v\"]\nmass = 1\ndamping = 0.1\n"
+                                "stiffness = 1\nforce = \"1 - x^3\"\n[[stops]]\nname = \"wall\"\ngap = \"0.2 - x\"\n"
+                                "law = { newton = 0.5 }\n";
+  CHECK(call({"trajectory", folder.write("mechanics.toml", mechanics), "--time", "3", "--quiet", "--start", "0,0"}).code == 0);
+  const Outcome outcome = call({"orbit", folder.write("friction.toml", "[[friction]]\nname = \"pad\"\n"), "--quiet"});
+  CHECK(outcome.code == 2);
+  CHECK_THAT(outcome.err, Contains("there is no [system] with the names of the states"));
+}
+
+TEST_CASE("states and parameters may have the names of columns: tables and maps keep both (fixed)") {
+  const TemporaryFolder folder;
+  std::string text = duffing();
+  for (const auto& [name, other] : {std::pair{"eta", "period"}, {"r", "state"}})
+    for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos; at += 1) {
+      const auto is_letter = [&](std::size_t k) { return k < text.size() && (std::isalpha(text[k]) || text[k] == '_'); };
+      if ((at > 0 && is_letter(at - 1)) || is_letter(at + std::string(name).size())) continue;
+      text.replace(at, std::string(name).size(), other);
+    }
+  const std::string file = folder.write("names.toml", text), out = folder.file("map");
+  const std::vector<std::string> grid = {"map", file, "--param", "period:0.8:0.9:3", "--param", "state:0.5:0.6:2", "--quiet"};
+  auto with_out = grid;
+  with_out.insert(with_out.end(), {"--out", out, "--csv", "-"});
+  const Outcome map = call(with_out);
+  INFO(map.err);
+  CHECK(map.code == 0);
+  CHECK(std::filesystem::exists(out + "/map.h5"));
+  CHECK_THAT(map.out, Contains("layer,state,period_,type,period,"));
+  CHECK(call({"plot", out + "/map.h5", "-o", folder.file("names.svg"), "--quiet"}).code == 0);
+  const Outcome sweep =
+      call({"sweep", file, "--param", "period", "--from", "0.8", "--to", "0.81", "--step", "0.01", "--csv", "-", "--quiet"});
+  CHECK_THAT(sweep.out, Contains("period_,direction,attractor,period,"));
 }
 
 TEST_CASE("a ball released from a moving table does not hit it at the same instant") {

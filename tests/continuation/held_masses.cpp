@@ -165,3 +165,71 @@ TEST_CASE("a capsule held all the time has a multiplier that is exactly zero at 
     CHECK(std::abs(point.multipliers.values[0]) == Approx(std::exp(-0.05 * point.duration)).epsilon(1e-11));
   }
 }
+
+TEST_CASE("a branch of orbits held on a curved stop goes on at its usual steps (fixed)") {
+  SystemWriter writer;
+  writer.system.name = "ring";
+  writer.forcing("w").parameter("w", "1.1").parameter("A", "0.5").parameter("R", "0.9");
+  writer.mechanics(
+      {"x", "y"}, {"v", "u"},
+      {{{"1", "0"}, {"0", "2"}}, {{"0.2", "0"}, {"0", "0.2"}}, {{"1", "0"}, {"0", "1"}}, {"2 + A*cos(w*t)", "A*sin(w*t)"}});
+  writer.stop("ring", "R^2 - x^2 - 1.5*y^2", "newton", {"0.5"});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit start = orbit_from(system, default_parameters(system.parameters), vector({0.9, 0.0, 0.0, 0.0}));
+  REQUIRE(start.events.empty());
+  const Branch branch = followed(system, start, {"w", 1.0, 1.2, 0.0, 1});
+  CHECK(branch.stop == BranchStop::reached_bound);
+  INFO(branch.message);
+  CHECK(branch.points.size() < 40);
+  for (const BranchPoint& point : branch.points) {
+    REQUIRE(point.multipliers.values.size() == 4);
+    CHECK(point.multipliers.values[2] == 0.0);
+    CHECK(point.multipliers.values[3] == 0.0);
+    const Vector& x = point.states.front();
+    CHECK(std::abs(0.81 - x[0] * x[0] - 1.5 * x[1] * x[1]) < 1e-12);
+  }
+  CHECK(check_branch(system, branch).empty());
+}
+
+TEST_CASE("a branch that cannot be begun again beyond a special point ends with what was found (fixed)") {
+  // Static friction exceeds kinetic friction. Where the second mass begins to stick the orbit jumps; following it from there
+  // crashed. Before, the branch folds (LP), and meets an NS.
+  SystemWriter writer;
+  writer.system.name = "pad";
+  writer.forcing("w").parameter("w", "0.9").parameter("A", "1").parameter("mu", "0.25").parameter("N", "1");
+  writer.mechanics(
+      {"a", "b"}, {"va", "vb"},
+      {{{"1", "0"}, {"0", "1.3"}}, {{"0.1", "-0.05"}, {"-0.05", "0.08"}}, {{"2", "-1"}, {"-1", "1.4"}}, {"A*cos(w*t)", "0"}});
+  writer.friction("pad", "vb", "N*(1 + 0.3*a)", "mu", "1.3*mu");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit start = orbit_from(system, default_parameters(system.parameters), vector({0.0, 0.0, 0.0, 0.0}));
+  const Branch branch = followed(system, start, {"A", 0.15, 1.0, 0.0, -1});
+  const auto found = [&](PointType type) {
+    const auto point = std::find_if(branch.special_points.begin(), branch.special_points.end(),
+                                    [&](const SpecialPoint& one) { return one.type == type; });
+    return point == branch.special_points.end() ? 0.0 : point->value;
+  };
+  CHECK(found(PointType::LP) == Approx(0.373558215127).epsilon(1e-9));  // DOP853: multiplier 0.999999999 there
+  CHECK(found(PointType::NS) == Approx(0.373664636298).epsilon(1e-9));  // modulus 1
+  CHECK(branch.stop == BranchStop::step_too_small);
+}
+
+TEST_CASE("a branch on which a stop holds a mass all the time ends where the mass lifts off, and says so (fixed)") {
+  // x is held at 1/2 by the force P - 1 + y - 0.1 y' > 0; y is a linear oscillator that feels x = 1/2.
+  SystemWriter writer;
+  writer.system.name = "pressed";
+  writer.forcing("w").parameter("w", "0.8").parameter("A", "0.3").parameter("P", "2");
+  writer.mechanics({"x", "y"}, {"v", "u"},
+                   {{{"1", "0"}, {"0", "1"}}, {{"0.2", "-0.1"}, {"-0.1", "0.1"}}, {{"2", "-1"}, {"-1", "1"}}, {"P", "A*cos(w*t)"}});
+  writer.stop("wall", "0.5 - x", "newton", {"0.5"});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit start = orbit_from(system, default_parameters(system.parameters), vector({0.5, 0.0, 0.0, 0.0}));
+  const Branch branch = followed(system, start, {"P", 0.0, 2.0, 0.0, -1});
+  INFO(branch.message);
+  CHECK(branch.message.find("is released there") != std::string::npos);
+  // y = 1/2 + Re(Y e^(i w t)), Y = A / (1 - w^2 + 0.1 i w): the contact force P - 1 + y + 0.1 y' vanishes first at
+  // P = 1/2 + |Y| |1 + 0.1 i w|.
+  const double w = 0.8;
+  const double lift_off = 0.5 + 0.3 / std::hypot(1.0 - w * w, 0.1 * w) * std::hypot(1.0, 0.1 * w);
+  CHECK(std::abs(branch.stop_value - lift_off) < 1e-5);
+}

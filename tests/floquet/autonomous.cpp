@@ -257,6 +257,20 @@ TEST_CASE("a sweep of an autonomous system counts returns on one thread or two")
   }
 }
 
+TEST_CASE("where a cycle no longer meets its event a sweep says so, value by value, and goes on (fixed)") {
+  // The amplitude of the cycle for mu = 1/2 is 2.0 to two digits: no stop is met beyond. A flight without return used up its
+  // steps and counted as a failure.
+  const HybridSystem system = van_der_pol_stop();
+  const std::vector<SweepRow> rows = up_and_down(system, {.parameter = "r", .from = 1.8, .to = 2.3, .step = 0.1}, 200);
+  REQUIRE(rows.size() == 12);
+  for (const SweepRow& row : rows) {
+    INFO(row.value);
+    const bool meets = row.value < 1.95;
+    if (meets) CHECK(row.attractor.type == AttractorType::periodic);
+    if (row.value > 2.05) CHECK(row.attractor.termination == Termination::no_return);
+  }
+}
+
 TEST_CASE("the stop of an autonomous system may move from value to value") {
   const HybridSystem system = van_der_pol_stop();
   const std::vector<SweepRow> rows = up_and_down(system, {.parameter = "r", .from = 0.8, .to = 1.2, .step = 0.1}, 200);

@@ -2,7 +2,9 @@
 // Orbits that chatter and stick (Newton's law, k_r < 1, low frequency). Their multipliers are exactly zero.
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/attractor/settle.hpp>
+#include <graze/floquet/exponents/lyapunov.hpp>
 #include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/rest.hpp>
 
 #include "support/checks.hpp"
 #include "support/system_texts.hpp"
@@ -268,4 +270,77 @@ TEST_CASE("a mass held by its stop while another one hits its own has two multip
     CHECK(std::abs(two.multipliers.values[i] - one.multipliers.values[i]) < 1e-10 * std::abs(one.multipliers.values[i]));
   CHECK(two.multipliers.values[2] == 0.0);
   CHECK(two.multipliers.values[3] == 0.0);
+}
+
+namespace {
+
+/// Two masses, the first pressed by P to a rigid stop whose gap contains both coordinates.
+SystemWriter pressed_to(const std::string& gap, const std::string& w) {
+  SystemWriter writer;
+  writer.system.name = "pressed";
+  writer.forcing("w").parameter("w", w).parameter("A", "0.3").parameter("P", "2");
+  writer.mechanics(
+      {"x", "y"}, {"v", "u"},
+      {{{"1", "0"}, {"0", "1"}}, {{"0.2", "-0.1"}, {"-0.1", "0.1"}}, {{"2", "-1"}, {"-1", "1"}}, {"P", "A*cos(w*t)"}});
+  writer.stop("wall", gap, "newton", {"0.5"});
+  return writer;
+}
+
+}  // namespace
+
+TEST_CASE("a stop whose gap contains two coordinates leaves two exact zeros, straight or curved (fixed)") {
+  // On x = 1/2 + y/20 the motion is that of y alone, with inertia, damping and stiffness J^T M J of J = (1/20, 1).
+  const double mass = 1.0 + 0.0025, damping = 0.0005 - 0.01 + 0.1;
+  for (const std::string gap : {"0.5 + 0.05*y - x", "0.5 + 0.05*y - 0.01*y^2 - x"}) {
+    INFO(gap);
+    const HybridSystem system = made(pressed_to(gap, "0.8"));
+    const PeriodicOrbit orbit = orbit_from(system, vector({0.5, 0.0, 0.0, 0.0}), 60);
+    REQUIRE(orbit.events.empty());
+    const auto& mu = orbit.multipliers.values;
+    REQUIRE(mu.size() == 4);
+    CHECK(mu[2] == 0.0);
+    CHECK(mu[3] == 0.0);
+    const bool straight = gap.find('^') == std::string::npos;
+    if (straight) CHECK(std::norm(mu[0]) == Approx(std::exp(-damping / mass * orbit.duration)).epsilon(1e-10));
+    LyapunovOptions options;
+    options.max_periods = 400;
+    options.standard_error = 0.0;
+    const LyapunovSpectrum average = lyapunov_spectrum(system, orbit.parameters, orbit.state, options);
+    REQUIRE(average.exponents.size() == 4);
+    CHECK(average.exponents[2] == -std::numeric_limits<double>::infinity());
+    CHECK(average.exponents[3] == -std::numeric_limits<double>::infinity());
+    CHECK(average.exponents[0] + average.exponents[1] ==
+          Approx(orbit.multipliers.exponents[0] + orbit.multipliers.exponents[1]).epsilon(1e-9));
+    // The state keeps to the stop.
+    const double y = orbit.state[1];
+    CHECK(std::abs(0.5 + 0.05 * y - (straight ? 0.0 : 0.01 * y * y) - orbit.state[0]) < 1e-15);
+  }
+}
+
+TEST_CASE("a start beside the constraint of a held mass is moved onto it, a start far from it is not") {
+  const HybridSystem system = made(pressed_to("0.5 + 0.05*y - 0.01*y^2 - x", "0.8"));
+  const Vector p = default_parameters(system.parameters);
+  const auto on = [](double y, double u) { return vector({0.5 + 0.05 * y - 0.01 * y * y, y, (0.05 - 0.02 * y) * u, u}); };
+  const Vector exact = on(0.3, -0.2);
+  const std::optional<std::size_t> mode = mode_at(system, 0.0, exact, p);
+  REQUIRE(mode);
+  REQUIRE(system.modes[*mode].constraints.size() == 2);
+  Vector beside = exact + vector({1e-5, 0.0, -2e-5, 0.0});
+  REQUIRE(settle_on_constraints(system, *mode, 0.0, p, beside));
+  CHECK((beside - on(beside[1], beside[3])).lpNorm<Eigen::Infinity>() < 1e-15);
+  CHECK((beside - exact).lpNorm<Eigen::Infinity>() < 3e-5);
+  Vector far = exact + vector({0.5, 0.0, 0.0, 0.0});
+  CHECK_FALSE(settle_on_constraints(system, *mode, 0.0, p, far));
+  // The map of a motion includes the move.
+  Propagator propagator(system, p);
+  Transition moved;
+  Vector off = exact + vector({2e-6, 0.0, 0.0, 0.0});
+  carry(propagator, 0.0, 1.0, off, {.held_mode = mode}, moved);
+  REQUIRE(moved.termination == Termination::time);
+  CHECK(moved.lost == 2);
+  Transition from_exact;
+  carry(propagator, 0.0, 1.0, exact, {}, from_exact);
+  CHECK((moved.x1 - from_exact.x1 - from_exact.Phi * (off - exact)).lpNorm<Eigen::Infinity>() < 1e-10);
+  carry(propagator, 0.0, 1.0, Vector(exact + vector({0.01, 0.0, 0.0, 0.0})), {}, moved);  // beyond the stop, no mode named
+  CHECK(moved.termination == Termination::inadmissible_start);
 }

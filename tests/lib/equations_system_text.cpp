@@ -235,7 +235,7 @@ TEST_CASE("each mistake in modes and events gives one sentence with its place") 
   REQUIRE(event({"wall", "impct", "x - r", "v = -v", "", ""}) ==
           "system.toml:10:1: the event wall has an unknown kind 'impct'; did you mean 'impact'?");
   REQUIRE(event({"wall", "impact", "x - r", "w = -v", "", ""}) ==
-          "system.toml:12:1: the reset of wall sets 'w', which is no state");
+          "system.toml:12:1: the reset of wall sets 'w', which is no state; choose one of x, v");
   REQUIRE(event({"wall", "impact", "x - r", "v' = -v", "", ""}) ==
           "system.toml:12:1: the reset of wall sets a rate; write v = ...");
   REQUIRE(event({"wall", "impact", "x - r", "v = -v; v = 0", "", ""}) == "system.toml:12:9: the reset of wall sets v twice");
@@ -277,7 +277,7 @@ TEST_CASE("each mistake in values at the start gives one sentence with its place
   REQUIRE(start({{"x", "1"}, {"v", "0"}}) == "system.toml:13:1: the start lies beyond a guard of every mode (wall)");
   REQUIRE(start({{"x", "-1"}}) == "none");
   REQUIRE(start({{"x", "0"}, {"x", "1"}}) == "system.toml:15:1: the start gives x twice");
-  REQUIRE(start({{"w", "0"}}) == "system.toml:13:1: the start gives 'w', which is no state");
+  REQUIRE(start({{"w", "0"}}) == "system.toml:13:1: the start gives 'w', which is no state; choose one of x, v");
   REQUIRE(start({{"x", "-r"}, {"v", "k/2"}}) == "none");
   SystemWriter root = with_force("-x");
   root.mode("touch", "x' = v; v' = -x - k*sqrt(x - r)").event({"enter", "enter", "x - r", "", "free", "touch"});
