@@ -122,11 +122,16 @@ Picture draw_basins(const Json& result) {
   const double lost = result.at("lost"), admissible = result.at("admissible");
   if (lost > 0.0) picture.curves.push_back(legend_entry(fmt::format("lost: {} %", percent(lost / admissible)), lost_colour));
   // A barrier near the range is included in the picture; others are left out.
-  for (const Barrier& barrier : barriers_of(result, plane.state[0], true)) {
-    if (!(barrier.position > x.low - 0.1 * (x.high - x.low) && barrier.position < x.high + 0.5 * (x.high - x.low))) continue;
-    picture.barriers.push_back(barrier);
-    x.take(barrier.position);
-  }
+  const auto add_barriers = [&](std::size_t state, bool vertical, auto& range) {
+    const double low = range.low - 0.1 * (range.high - range.low), high = range.high + 0.5 * (range.high - range.low);
+    for (const Barrier& barrier : barriers_of(result, state, vertical)) {
+      if (!(barrier.position > low && barrier.position < high)) continue;
+      picture.barriers.push_back(barrier);
+      range.take(barrier.position);
+    }
+  };
+  add_barriers(plane.state[0], true, x);
+  add_barriers(plane.state[1], false, v);
   picture.x_range = x.with_margin(0.02);
   picture.y_range = v.with_margin(0.02);
   return picture;

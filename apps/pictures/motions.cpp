@@ -127,6 +127,7 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
   picture.barriers = barriers_of(result, plane[0], true);
   Range across;
   for (const Barrier& barrier : picture.barriers) across.take(barrier.position);
+  for (Barrier& barrier : barriers_of(result, plane[1], false)) picture.barriers.push_back(std::move(barrier));
   Curve strobe;
   strobe.stroke = Stroke::marks;
   strobe.colour = "black";

@@ -122,8 +122,13 @@ Picture exponents_below(const Json& result, const std::array<double, 2>& x_range
 }
 
 PictureKind sweep_diagram_picture() {
-  return {"graze.sweep/1", "diagram", "stroboscopic states above the exponents, against the parameter", draw_sweep_above_exponents, {},
-          has_rows,        true};
+  return {"graze.sweep/1",
+          "diagram",
+          "stroboscopic states above the exponents, against the parameter",
+          draw_sweep_above_exponents,
+          {},
+          has_rows,
+          true};
 }
 
 PictureKind sweep_picture() {

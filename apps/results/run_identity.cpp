@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace graze::apps {
 
@@ -13,9 +14,27 @@ std::string words(const Json& value) {
   return value.is_null() ? "not given" : value.is_string() ? value.get<std::string>() : flat(value);
 }
 
+/// The first line in which two texts differ: "line 3 of NAME is ... there and ... now".
+std::string line_difference(const std::string& name, const std::string& there, const std::string& now) {
+  std::istringstream one(there), other(now);
+  std::string a, b;
+  for (int line = 1;; ++line) {
+    const bool more = static_cast<bool>(std::getline(one, a)), more_now = static_cast<bool>(std::getline(other, b));
+    const auto shown = [](bool is_there, const std::string& text) {
+      return is_there ? "\"" + text + "\"" : std::string("not there");
+    };
+    if (more != more_now || a != b || !more)
+      return fmt::format("line {} of {} is {} there and {} now", line, name, shown(more, a), shown(more_now, b));
+  }
+}
+
 std::optional<std::string> difference_in(const Json& there, const Json& now, const std::string& name) {
   if (!there.is_object() || !now.is_object()) {
     if (there == now) return std::nullopt;
+    const auto is_text = [](const Json& value) {
+      return value.is_string() && value.get<std::string>().find('\n') != std::string::npos;
+    };
+    if (is_text(there) && is_text(now)) return line_difference(name, there.get<std::string>(), now.get<std::string>());
     return fmt::format("{} is {} there and {} now", name, words(there), words(now));
   }
   std::vector<std::string> keys;

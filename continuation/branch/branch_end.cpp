@@ -20,7 +20,7 @@ Vector parameters_at(const HybridSystem& system, const Branch& branch, double va
 
 bool releases_beyond(const HybridSystem& system, const Branch& branch, double value) {
   const BranchPoint& end = branch.points.back();
-  if (!end.signature.events.empty() || system.modes[end.signature.mode].constraints.empty()) return false;
+  if (!end.signature.events.empty() || !holds_something(system, end.signature.mode)) return false;
   Propagator propagator(system, parameters_at(system, branch, value));
   Transition transition;
   carry(propagator, 0.0, end.duration, end.states.front(), {.sensitivity = Sensitivity::none, .max_events = 1}, transition);

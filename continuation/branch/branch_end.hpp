@@ -21,6 +21,9 @@ OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbi
 std::optional<PeriodicOrbit> half_period_orbit(const HybridSystem& system, const Branch& branch,
                                                const ContinuationOptions& options);
 
+/// Whether a stop, friction or a surface holds something in this mode.
+inline bool holds_something(const HybridSystem& system, std::size_t mode) { return !system.modes[mode].constraints.empty(); }
+
 /// Whether something is held all along the last orbit of the branch, and the motion from there is released at this value of the
 /// parameter.
 bool releases_beyond(const HybridSystem& system, const Branch& branch, double value);

@@ -9,6 +9,7 @@
 #include <graze/lib/equations/structure.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -425,7 +426,8 @@ class Builder {
       if (pieces_.modes[i].name == name.text) return i;
       names.push_back(pieces_.modes[i].name);
     }
-    refuse(name.place, fmt::format("the event {} names an unknown mode '{}'{}", event, name.text, suggestion_or_list(name.text, names)));
+    refuse(name.place,
+           fmt::format("the event {} names an unknown mode '{}'{}", event, name.text, suggestion_or_list(name.text, names)));
   }
 
   /// A mode to which a reset may lead; it does if the conditions are positive.
@@ -832,11 +834,14 @@ class Builder {
       for (const EventPiece& event : pieces_.events) check_values(event.guard, *out_.start, true, event.when);
       start_mode = mode_at(out_.system, 0.0, *out_.start, defaults_);
       if (!start_mode) {
-        std::string guards;
-        for (const EventPiece& event : pieces_.events)
-          if (values(graph_, {&event.guard, 1}, 0.0, *out_.start, defaults_)[0] > 0.0)
-            guards += (guards.empty() ? "" : ", ") + event.name;
-        refuse(text_.start.front().state.place, fmt::format("the start lies beyond a guard of every mode ({})", guards));
+        std::vector<std::string> contacts, others;  // each name once; a stop has guards in many modes
+        for (const EventPiece& event : pieces_.events) {
+          std::vector<std::string>& list = begins_contact(event.kind) ? contacts : others;
+          const bool beyond = values(graph_, {&event.guard, 1}, 0.0, *out_.start, defaults_)[0] > 0.0;
+          if (beyond && std::find(list.begin(), list.end(), event.name) == list.end()) list.push_back(event.name);
+        }
+        refuse(text_.start.front().state.place, fmt::format("the start lies beyond a guard of every mode ({})",
+                                                            fmt::join(contacts.empty() ? others : contacts, ", ")));
       }
     }
     for (std::size_t m = 0; m < pieces_.modes.size(); ++m)

@@ -224,9 +224,6 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
                           : event.accumulation->pressing ? event.accumulation->pressing(state.t, state.x, p_)
                                                          : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
   const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short counts as none
-  // The error of the state is the square of the window. That of the derivative where other masses move along is the window
-  // itself: there it is smaller.
-  const double window = (system_->states > 2 ? 1e-3 : 1.0) * options_.accumulation_window;
   double remaining = 0.0;
   const bool moving = before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
   if (moving) {
@@ -235,7 +232,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     if (flight > instant) {
       if (after >= before) return false;  // no loss: a series of equal flights does not end
       remaining = flight / (1.0 - after / before);
-      if (!(remaining < window)) return false;
+      if (!(remaining < options_.accumulation_window)) return false;
     }
   } else if (!(pressing > -guard_tolerance)) {
     return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
@@ -247,14 +244,22 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   const Accumulation& rest = *event.accumulation;
   const Vector here = state.x, f_minus = f_minus_;
   const double t_impact = state.t;
-  state.t += remaining;
-  state.x += remaining * f_plus_;
+  // Where other masses move along, the series is one plastic impact, after which the mass is held. The stop acts in one direction
+  // only: on the way the motion differs from the held one by the bounce in this direction alone, which is over at the
+  // accumulation point. What is left is of third order in the remaining time, and of second order in the derivative.
+  const bool others_move = moving && system_->states > 2;
+  if (others_move) {
+    state.x = record_.x_minus;
+  } else {
+    state.t += remaining;
+    state.x += remaining * f_plus_;
+  }
   rest.reset.map(state.t, Vector(state.x), p_, state.x);
   state.mode = rest.sticking_mode;
   // The mass is held only if it is pressed to the stop at the accumulation point too.
   for (const std::size_t other : events_of_mode_[state.mode]) {
     if (active_at_start(state, other)) {
-      state.t -= remaining;
+      state.t = t_impact;
       state.x = here;
       state.mode = event.to;
       f_minus_ = f_minus;
@@ -272,8 +277,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   const auto n = static_cast<Eigen::Index>(system_->states);
   const auto m = sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size());
   SaltationMatrix& saltation = record_.saltation;
-  if (moving && system_->states > 2) {
-    // To first order, a series of vanishing duration is one plastic impact, which loses all of its normal speed.
+  if (others_move) {
     Event plastic;
     plastic.guard = event.guard;
     plastic.reset = rest.reset;

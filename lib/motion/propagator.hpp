@@ -6,8 +6,9 @@
 // Chattering (infinitely many impacts in finite time): the flights form a geometric series of remaining time
 // 2 u+ / (a (1 - e)), with u+ the speed after the impact, e = u+/u-, a the pressing acceleration. When it falls below
 // FlowOptions::accumulation_window, the run jumps to the accumulation point and continues in the sticking mode. The event is
-// then recorded as EventKind::stick, with t and x_plus of the accumulation point and x_minus of the last impact before it. A
-// mass at rest at its stop sticks too, for any e. A run never jumps past its end time.
+// then recorded as EventKind::stick, with t and x_plus of the accumulation point and x_minus of the last impact before it. With
+// more than two states it is recorded as a plastic impact in place of that last one (accumulate() says why). A mass at rest at
+// its stop sticks too, for any e. A run never jumps past its end time.
 #pragma once
 
 #include <graze/lib/motion/trajectory.hpp>

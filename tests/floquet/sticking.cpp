@@ -304,6 +304,7 @@ TEST_CASE("a stop whose gap contains two coordinates leaves two exact zeros, str
     if (straight) CHECK(std::norm(mu[0]) == Approx(std::exp(-damping / mass * orbit.duration)).epsilon(1e-10));
     LyapunovOptions options;
     options.max_periods = 400;
+    options.aligning = 20;
     options.standard_error = 0.0;
     const LyapunovSpectrum average = lyapunov_spectrum(system, orbit.parameters, orbit.state, options);
     REQUIRE(average.exponents.size() == 4);
@@ -313,7 +314,7 @@ TEST_CASE("a stop whose gap contains two coordinates leaves two exact zeros, str
           Approx(orbit.multipliers.exponents[0] + orbit.multipliers.exponents[1]).epsilon(1e-9));
     // The state keeps to the stop.
     const double y = orbit.state[1];
-    CHECK(std::abs(0.5 + 0.05 * y - (straight ? 0.0 : 0.01 * y * y) - orbit.state[0]) < 1e-15);
+    CHECK(std::abs(0.5 + 0.05 * y - (straight ? 0.0 : 0.01 * y * y) - orbit.state[0]) < 1e-14);
   }
 }
 
@@ -331,16 +332,17 @@ TEST_CASE("a start beside the constraint of a held mass is moved onto it, a star
   CHECK((beside - exact).lpNorm<Eigen::Infinity>() < 3e-5);
   Vector far = exact + vector({0.5, 0.0, 0.0, 0.0});
   CHECK_FALSE(settle_on_constraints(system, *mode, 0.0, p, far));
-  // The map of a motion includes the move.
+  // A motion begins with the move.
   Propagator propagator(system, p);
-  Transition moved;
-  Vector off = exact + vector({2e-6, 0.0, 0.0, 0.0});
+  Transition moved, from_there;
+  const Vector off = exact + vector({2e-6, 0.0, 0.0, 0.0});
   carry(propagator, 0.0, 1.0, off, {.held_mode = mode}, moved);
   REQUIRE(moved.termination == Termination::time);
   CHECK(moved.lost == 2);
-  Transition from_exact;
-  carry(propagator, 0.0, 1.0, exact, {}, from_exact);
-  CHECK((moved.x1 - from_exact.x1 - from_exact.Phi * (off - exact)).lpNorm<Eigen::Infinity>() < 1e-10);
+  Vector there = off;
+  REQUIRE(settle_on_constraints(system, *mode, 0.0, p, there));
+  carry(propagator, 0.0, 1.0, there, {}, from_there);
+  CHECK((moved.x1 - from_there.x1).lpNorm<Eigen::Infinity>() < 1e-14);
   carry(propagator, 0.0, 1.0, Vector(exact + vector({0.01, 0.0, 0.0, 0.0})), {}, moved);  // beyond the stop, no mode named
   CHECK(moved.termination == Termination::inadmissible_start);
 }
