@@ -515,10 +515,21 @@ TEST_CASE("unknown modes, kinds, states and frequencies are refused with what th
 
 TEST_CASE("[mechanics] needs no [system], and any other section of a system asks for it (fixed)") {
   const TemporaryFolder folder;
-  const std::string mechanics = "[mechanics]\ncoordinates = [\"x\"]\nvelocities = [\"v\"]\nmass = 1\ndamping = 0.1\n"
-                                "stiffness = 1\nforce = \"1 - x^3\"\n[[stops]]\nname = \"wall\"\ngap = \"0.2 - x\"\n"
-                                "law = { newton = 0.5 }\n";
-  CHECK(call({"trajectory", folder.write("mechanics.toml", mechanics), "--time", "3", "--quiet", "--start", "0,0"}).code == 0);
+  const std::string mechanics = R"([mechanics]
+coordinates = ["x"]
+velocities = ["v"]
+mass = [[1]]
+damping = [[0.1]]
+stiffness = [[1]]
+force = ["1 - x^3"]
+[[stops]]
+name = "wall"
+gap = "0.2 - x"
+law = { newton = 0.5 }
+)";
+  // Pressed to its stop, the mass comes to rest.
+  CHECK_THAT(call({"trajectory", folder.write("mechanics.toml", mechanics), "--time", "3", "--start", "0,0"}).out,
+             Contains("state at the end (0.2, "));
   const Outcome outcome = call({"orbit", folder.write("friction.toml", "[[friction]]\nname = \"pad\"\n"), "--quiet"});
   CHECK(outcome.code == 2);
   CHECK_THAT(outcome.err, Contains("there is no [system] with the names of the states"));
