@@ -531,7 +531,10 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
     stop(BranchStop::point_limit, fmt::format("{} points were computed, the limit", branch.points.size()));
   } else {
     const bool meets_release = refused_ && refused_->met && system_.events[refused_->met->event].kind == EventKind::release;
-    const bool lifts_off = curve.first_failed && releases_beyond(system_, branch, problem.value(*curve.first_failed));
+    // A little farther, where the release is surely resolved.
+    const double ahead = curve.first_failed ? problem.value(*curve.first_failed) - end.value : 0.0;
+    const double beyond = std::max(std::abs(ahead), 1e-6 * (1.0 + std::abs(end.value)));
+    const bool lifts_off = ahead != 0.0 && releases_beyond(system_, branch, end.value + std::copysign(beyond, ahead));
     const std::string reason = released || meets_release || lifts_off
                                    ? "what is held all along the orbits before is released there"
                                : refused_ ? "several contacts graze there so close together that they cannot be told apart"

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace graze {
@@ -232,7 +233,11 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     if (flight > instant) {
       if (after >= before) return false;  // no loss: a series of equal flights does not end
       remaining = flight / (1.0 - after / before);
-      if (!(remaining < options_.accumulation_window)) return false;
+      // Where the mass is hardly pressed to its stop, near its release, bounces that are lower than the state's rounding may last
+      // long. They count as complete, too: their impacts come at the wrong speed, which would keep them going.
+      const double height = 0.5 * after * after / pressing;
+      const bool resolved = height > std::numeric_limits<double>::epsilon() * (1.0 + state.x.lpNorm<Eigen::Infinity>());
+      if (resolved && !(remaining < options_.accumulation_window)) return false;
     }
   } else if (!(pressing > -guard_tolerance)) {
     return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
