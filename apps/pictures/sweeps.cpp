@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace graze::apps {
@@ -38,8 +39,9 @@ Picture draw_states(const Json& result) {
 
 /// The colour tells the directions apart, its intensity the first exponent from the others.
 std::string exponent_colour(const std::string& direction, std::size_t exponent) {
-  if (direction == "up") return exponent == 0 ? "#1f77b4" : "#9ecae1";
-  return exponent == 0 ? "#d95f02" : "#fdc08a";
+  static const std::vector<std::string> up = {"#1f77b4", "#9ecae1", "#6a51a3", "#bcbddc", "#238b45", "#a1d99b"};
+  static const std::vector<std::string> down = {"#d95f02", "#fdc08a", "#a50f15", "#fcae91", "#7f5f00", "#e7cb94"};
+  return direction == "up" ? up[exponent % up.size()] : down[exponent % down.size()];
 }
 
 /// Adds marks at the lower edge where the first exponent is -infinity because the motion sticks.
@@ -77,6 +79,17 @@ Picture exponents_within(const Json& result, const std::array<double, 2>& x_rang
     }
   }
   add_sticking_marks(picture, result);
+  // An exponent that is zero all along lies on the axis, not under the frame.
+  double lowest = 0.0, highest = -std::numeric_limits<double>::infinity();
+  for (const auto& [direction, list] : curves)
+    for (const Curve& curve : list)
+      for (const auto& point : curve.points) {
+        if (std::isnan(point[1])) continue;
+        lowest = std::min(lowest, point[1]);
+        highest = std::max(highest, point[1]);
+      }
+  constexpr double margin = 0.08;
+  if (lowest < 0.0 && std::abs(highest) < -margin * lowest) picture.y_range = {{(1.0 + margin) * lowest, -margin * lowest}};
   std::size_t most = 0;
   for (const auto& [direction, list] : curves) most = std::max(most, list.size());
   for (std::size_t i = most; i-- > 0;)  // the first exponent over the others

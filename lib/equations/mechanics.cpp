@@ -332,6 +332,10 @@ class Mechanics {
     if (law->name == "newton") {
       stop.rigid = true;
       stop.restitution = read(text.values[0], where);
+      const Node node = graph_.node(stop.restitution);
+      if (node.operation == Operation::constant && !(node.value >= 0.0 && node.value <= 1.0))
+        refuse(text.values[0].place,
+               fmt::format("the restitution of the stop {} is {}; allowed is 0 to 1", name, text.values[0].text));
       return;
     }
     Expression force;

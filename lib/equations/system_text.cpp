@@ -287,6 +287,17 @@ class Builder {
     }
   }
 
+  /// A parameter that is the coefficient of restitution of a stop lies between 0 and 1.
+  void limit_restitution(ParameterInfo& info) const {
+    const bool is_one = std::any_of(text_.stops.begin(), text_.stops.end(), [&](const StopText& stop) {
+      return stop.law.text == "newton" && stop.values.size() == 1 && stop.values.front().text == info.name;
+    });
+    if (!is_one) return;
+    if (info.lower < 0.0) info.lower_open = false;
+    info.lower = std::max(info.lower, 0.0);
+    info.upper = std::min(info.upper, 1.0);
+  }
+
   void read_parameters() {
     std::vector<Definition> tied;
     std::vector<ParameterInfo> tied_infos;
@@ -294,6 +305,7 @@ class Builder {
     for (const ParameterText& one : text_.parameters) {
       const std::string where = fmt::format("in the parameter {}", one.name.text);
       ParameterInfo info = info_of(one);
+      limit_restitution(info);
       if (has_names(text_.source, one.value, where)) {
         tied.push_back({one.name, one.value});
         tied_infos.push_back(info);

@@ -530,6 +530,17 @@ law = { newton = 0.5 }
   // Pressed to its stop, the mass comes to rest.
   CHECK_THAT(call({"trajectory", folder.write("mechanics.toml", mechanics), "--time", "3", "--start", "0,0"}).out,
              Contains("state at the end (0.2, "));
+  const std::string bouncy = [&] {
+    std::string text = mechanics;
+    return text.replace(text.find("0.5 }"), 3, "1.5");
+  }();
+  CHECK_THAT(call({"orbit", folder.write("bouncy.toml", bouncy)}).err,
+             Contains("the restitution of the stop wall is 1.5; allowed is 0 to 1"));
+  const std::string named = [&] {
+    std::string text = mechanics;
+    return "[parameters]\ne = -0.5\n" + text.replace(text.find("0.5 }"), 3, "\"e\"");
+  }();
+  CHECK_THAT(call({"orbit", folder.write("named.toml", named)}).err, Contains("e") && Contains("[0, 1]"));
   const Outcome outcome = call({"orbit", folder.write("friction.toml", "[[friction]]\nname = \"pad\"\n"), "--quiet"});
   CHECK(outcome.code == 2);
   CHECK_THAT(outcome.err, Contains("there is no [system] with the names of the states"));
