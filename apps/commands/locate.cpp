@@ -40,7 +40,7 @@ const std::vector<std::string>& locatable() {
   return list;
 }
 
-/// Largest distance of a point from --near: a twentieth of the value.
+/// Largest distance of a point from --near: a twentieth of the value, 0.005 of zero.
 double default_reach(double near) { return near == 0.0 ? 0.005 : 0.05 * std::abs(near); }
 
 Json all_options(const Problem& problem, const Options& options, double reach) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace graze::apps {
@@ -44,17 +43,23 @@ std::string exponent_colour(const std::string& direction, std::size_t exponent) 
   return direction == "up" ? up[exponent % up.size()] : down[exponent % down.size()];
 }
 
+/// The finite exponents.
+Range range_of_exponents(const Json& result) {
+  Range range;
+  for (const Json& row : result.at("rows"))
+    for (const Json& exponent : row.at("exponents"))
+      if (exponent.is_number()) range.take(exponent.get<double>());
+  return range;
+}
+
 /// Adds marks at the lower edge where the first exponent is -infinity because the motion sticks.
-void add_sticking_marks(Picture& picture, const Json& result) {
-  double lowest = -0.1;
+void add_sticking_marks(Picture& picture, const Json& result, double lowest) {
   Curve marks{.title = "exponent 1 is -infinity", .stroke = Stroke::marks, .colour = "#a0127d", .size = 0.8, .mark = 11};
   for (const Json& row : result.at("rows")) {
     const Json& exponents = row.at("exponents");
-    for (const Json& exponent : exponents)
-      if (exponent.is_number()) lowest = std::min(lowest, exponent.get<double>());
-    if (!exponents.empty() && exponents[0].is_null()) marks.points.push_back({row.at("value"), 0.0, 0.0});
+    if (!exponents.empty() && exponents[0].is_null())
+      marks.points.push_back({row.at("value"), 1.05 * std::min(-0.1, lowest), 0.0});
   }
-  for (auto& point : marks.points) point[1] = 1.05 * lowest;
   if (!marks.points.empty()) picture.curves.push_back(std::move(marks));
 }
 
@@ -78,18 +83,12 @@ Picture exponents_within(const Json& result, const std::array<double, 2>& x_rang
       curve.points.push_back({row.at("value"), exponents[i].is_null() ? NAN : exponents[i].get<double>(), 0.0});
     }
   }
-  add_sticking_marks(picture, result);
+  const Range range = range_of_exponents(result);
+  add_sticking_marks(picture, result, range.low);
   // An exponent that is zero all along lies on the axis, not under the frame.
-  double lowest = 0.0, highest = -std::numeric_limits<double>::infinity();
-  for (const auto& [direction, list] : curves)
-    for (const Curve& curve : list)
-      for (const auto& point : curve.points) {
-        if (std::isnan(point[1])) continue;
-        lowest = std::min(lowest, point[1]);
-        highest = std::max(highest, point[1]);
-      }
   constexpr double margin = 0.08;
-  if (lowest < 0.0 && std::abs(highest) < -margin * lowest) picture.y_range = {{(1.0 + margin) * lowest, -margin * lowest}};
+  if (range.low < 0.0 && std::abs(range.high) < -margin * range.low)
+    picture.y_range = {{(1.0 + margin) * range.low, -margin * range.low}};
   std::size_t most = 0;
   for (const auto& [direction, list] : curves) most = std::max(most, list.size());
   for (std::size_t i = most; i-- > 0;)  // the first exponent over the others

@@ -85,12 +85,12 @@ Json parse_json(const std::string& text) {
 void check_to_resume(const std::string& folder, const std::string& command) {
   const std::string file = folder + "/" + command + ".json";
   std::error_code error;
-  if (std::filesystem::exists(folder + "/." + command + ".lock", error) && !std::filesystem::exists(file, error))
-    throw std::invalid_argument(fmt::format(
-        "--resume {}: the run there was stopped before its first results; begin anew with --out {}", folder, folder));
-  if (!std::filesystem::exists(file, error))
-    throw std::invalid_argument(fmt::format(
-        "--resume: {}: no such file; give the folder that an interrupted run of graze {} wrote with --out", file, command));
+  if (std::filesystem::exists(file, error)) return;
+  if (std::filesystem::exists(folder + "/." + command + ".lock", error))
+    throw std::invalid_argument(
+        fmt::format("--resume {}: the run there was stopped before its first results; begin anew with --out {}", folder, folder));
+  throw std::invalid_argument(fmt::format(
+      "--resume: {}: no such file; give the folder that an interrupted run of graze {} wrote with --out", file, command));
 }
 
 Json read_to_resume(const std::string& folder, const std::string& command) {

@@ -511,17 +511,13 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
   } else if (chatter_ends_) {
-    const bool sticks = end.isolated_impacts < end.impacts,
-               held = end.impacts == 0 && holds_something(system_, end.signature.mode);
-    if (held)
-      stop(BranchStop::chatter,
-           fmt::format("at {} = {:.12g} what is held all along the orbits before is released there, and comes "
-                       "back to its stop by complete chatter",
-                       branch.parameter, end.value));
-    else
-      stop(BranchStop::chatter,
-           fmt::format("at {} = {:.12g} the chatter {} complete, and the mass {}", branch.parameter, end.value,
-                       sticks ? "is no longer" : "becomes", sticks ? "does not stick beyond" : "sticks beyond"));
+    const bool sticks = end.isolated_impacts < end.impacts;
+    const std::string what =
+        end.impacts == 0 && holds_something(system_, end.signature.mode)
+            ? "what is held all along the orbits before is released there, and comes back to its stop by complete chatter"
+            : fmt::format("the chatter {} complete, and the mass {}", sticks ? "is no longer" : "becomes",
+                          sticks ? "does not stick beyond" : "sticks beyond");
+    stop(BranchStop::chatter, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, what));
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {

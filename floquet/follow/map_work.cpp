@@ -11,19 +11,12 @@ namespace graze {
 
 namespace {
 
-/// Number of computations that fills the lanes of a thread.
-constexpr std::size_t enough = 32;
-
-/// Guesses of a row that may be unconfirmed, in addition to one per thread.
-constexpr std::size_t guesses = 8;
-
 bool is_followed(const MapLayer& layer) { return layer.follow != MapDirection::none; }
 
 RowRunnerOptions running(const MapSetting& map, std::size_t threads) {
   RowRunnerOptions out;
   out.flow = map.options.flow;
   out.threads = threads;
-  out.enough = enough;
   out.cancelled = map.options.cancelled;
   return out;
 }
@@ -61,7 +54,7 @@ void MapWork::give(int first, int count) {
         --pieces_;
         done_(piece->first, std::move(piece->points));
       };
-      rows.push_back(std::make_shared<Row>(std::move(chain), std::move(listener), guesses + threads_));
+      rows.push_back(std::make_shared<Row>(std::move(chain), std::move(listener), Row::usual_guesses(threads_)));
     }
   }
   piece->left = rows.size();
@@ -71,6 +64,7 @@ void MapWork::give(int first, int count) {
 }
 
 bool MapWork::wants_more() const {
+  const std::size_t enough = RowRunnerOptions{}.enough;
   return rows_.ready() < enough * threads_ && (pieces_ <= threads_ || (followed_ && open_ < 2 * enough * threads_));
 }
 

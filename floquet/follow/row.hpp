@@ -100,7 +100,11 @@ class Row {
     std::function<void(std::size_t number, const RowPoint& point)> commit = {};
     /// Called once by a RowRunner, from any thread, after the row is finished.
     std::function<void()> finished = {};
+    /// Called by a RowRunner after each point that is done, by one thread at a time; others may have to wait meanwhile.
+    std::function<void(std::size_t number)> done = {};
   };
+  /// Guesses of a row that may be unconfirmed, for this number of threads.
+  static constexpr std::size_t usual_guesses(std::size_t threads) { return 8 + threads; }
 
   /// At most `most_guesses` guesses are unconfirmed at a time. `so_far`: the first points, known from an earlier run.
   Row(std::unique_ptr<const RowChain> chain, Listener listener, std::size_t most_guesses = 1, std::vector<RowPoint> so_far = {});

@@ -112,22 +112,22 @@ void RowRunner::queue(const std::shared_ptr<Row>& row) {
 
 /// Starts the next point of a row. None: points were added whose orbits were predicted, or points were rolled back meanwhile.
 std::optional<RowRunner::Started> RowRunner::start(const std::shared_ptr<Row>& row, Lock& lock) {
-  Started started{row, row->stretch_to_continue(), nullptr};
-  if (!started.stretch) {
-    if (row->next() != Row::Next::guess) return std::nullopt;
-    started.entry = row->start_guess();
-  } else {
-    if (row->needs_prediction(*started.stretch) && !predict(row, *started.stretch, lock)) {
+  Started started{row, nullptr};
+  if (const auto stretch = row->stretch_to_continue()) {
+    if (row->needs_prediction(*stretch) && !predict(row, *stretch, lock)) {
       queue(row);
       return std::nullopt;
     }
-    started.entry = row->start(*started.stretch);
+    started.entry = row->start(*stretch);
     if (started.entry->done) {
       if (row->finished()) untold_.push_back(row);
-      if (options_.point_done) options_.point_done(*row, started.entry->begin.number);
+      if (row->listener().done) row->listener().done(started.entry->begin.number);
       queue(row);
       return std::nullopt;
     }
+  } else {
+    if (row->next() != Row::Next::guess) return std::nullopt;
+    started.entry = row->start_guess();
   }
   ++open_;
   queue(row);
@@ -176,7 +176,7 @@ std::optional<RowRunner::Started> RowRunner::finish(const Started& started, RowC
   row->finish(*started.entry, std::move(found));
   --open_;
   if (!finished && row->finished()) untold_.push_back(row);
-  if (keeps && options_.point_done) options_.point_done(*row, started.entry->begin.number);
+  if (keeps && row->listener().done) row->listener().done(started.entry->begin.number);
   while (!failed_ && !next && row->queued == Row::Next::none && row->next() == Row::Next::likely) next = start(row, lock);
   if (!next) queue(row);
   tell(lock);

@@ -30,8 +30,6 @@ struct RowRunnerOptions {
   std::size_t enough = 32;
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< number of points of a thread
   std::function<bool()> cancelled = {};
-  /// Called after each point that is done, by one thread at a time; others may have to wait meanwhile.
-  std::function<void(const Row& row, std::size_t number)> point_done = {};
 };
 
 class RowRunner {
@@ -58,7 +56,6 @@ class RowRunner {
   /// A started point.
   struct Started {
     std::shared_ptr<Row> row;
-    std::shared_ptr<Row::Stretch> stretch;
     std::shared_ptr<Row::Entry> entry;
   };
 

@@ -21,10 +21,6 @@ constexpr double repeats = 1e-4;
 constexpr std::int64_t short_average = 500;
 /// Forcing periods that align the tangent of a motion before its growth counts.
 constexpr std::int64_t aligning_periods = 60;
-/// Number of motions that fills the lanes of a thread.
-constexpr std::size_t enough = 32;
-/// Guesses of a direction that may be unconfirmed, in addition to one per thread.
-constexpr std::size_t guesses = 8;
 
 SweepOptions with_looks(SweepOptions options) {
   options.attractor.recurrence = repeats;
@@ -73,14 +69,9 @@ std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const V
   RowRunnerOptions running;
   running.flow = options.attractor.lyapunov.flow;
   running.threads = threads;
-  running.enough = running.most = std::max<std::size_t>(1, enough / static_cast<std::size_t>(options.attractor.lyapunov.motions));
+  running.enough = running.most =
+      std::max<std::size_t>(1, running.enough / static_cast<std::size_t>(options.attractor.lyapunov.motions));
   running.cancelled = options.cancelled;
-  running.point_done = [&](const Row& row, std::size_t number) {
-    std::size_t done = 0;
-    for (const Direction& direction : directions) done += direction.work->done();
-    if (options.progress) options.progress(done, static_cast<const SweepChain&>(row.chain()).value(number));
-    if (options.keep) options.keep(all_rows);
-  };
   RowRunner runner(system, running);
   std::vector<std::shared_ptr<Row>> rows;
   for (Direction& direction : directions) {
@@ -98,7 +89,13 @@ std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const V
       row.value = chain->value(number);
       row.direction = direction.direction;
     };
-    direction.work = std::make_shared<Row>(std::move(chain), listener, guesses + threads, std::move(known));
+    listener.done = [&, chain = chain.get()](std::size_t number) {
+      std::size_t done = 0;
+      for (const Direction& one : directions) done += one.work->done();
+      if (options.progress) options.progress(done, chain->value(number));
+      if (options.keep) options.keep(all_rows);
+    };
+    direction.work = std::make_shared<Row>(std::move(chain), listener, Row::usual_guesses(threads), std::move(known));
     rows.push_back(direction.work);
   }
   runner.give(rows);

@@ -26,7 +26,7 @@ struct MonodromyMatrix {
   /// ln|det| of each factor by Liouville's identity, NaN where this gives nothing; may be empty. Used if the determinant is
   /// lost to rounding in a factor's entries (strong damping), so that a small multiplier is not taken for zero.
   std::vector<double> log_dets = {};
-  int lost = 0;  ///< so many multipliers are zero for sure (Transition::lost), which the entries of M show up to rounding
+  int lost = 0;  ///< multipliers that are exactly zero (Transition::lost); from the entries of M they follow up to rounding
   Matrix product() const;
 };
 

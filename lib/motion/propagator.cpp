@@ -286,11 +286,10 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     Event plastic;
     plastic.guard = event.guard;
     plastic.reset = rest.reset;
-    rest.reset.map(t_impact, record_.x_minus, p_, glance_);
-    flows_[state.mode].field(t_impact, glance_, f_plus_);
+    flows_[state.mode].field(t_impact, record_.x_plus, f_plus_);
     const std::span<const std::size_t> active =
         sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
-    graze::saltation(plastic, {t_impact, record_.x_minus, glance_, f_minus, f_plus_}, p_, active, saltation);
+    graze::saltation(plastic, {t_impact, record_.x_minus, record_.x_plus, f_minus, f_plus_}, p_, active, saltation);
     if (saltation.regular) return true;
   }
   // To first order, the accumulation point does not depend on the path to it: the map is the derivative of the reset.

@@ -86,6 +86,22 @@ bool loses_energy(const Event& event, const Vector& p) { return !event.log_volum
 
 namespace {
 
+/// Gradients of constraints (rows of C) and their directions (columns of D).
+void gradients_and_directions(std::span<const Constraint* const> constraints, double t, const Vector& x, const Vector& p,
+                              Matrix& C, Matrix& D) {
+  const auto count = std::ssize(constraints);
+  C.resize(count, x.size());
+  D.resize(x.size(), count);
+  Vector line(x.size());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Constraint& one = *constraints[static_cast<std::size_t>(k)];
+    one.dx(t, x, p, line);
+    C.row(k) = line;
+    one.direction(t, x, p, line);
+    D.col(k) = line;
+  }
+}
+
 /// Index of the only nonzero entry; empty if there are several or none.
 std::optional<Eigen::Index> only_entry(const Vector& line) {
   if ((line.array() != 0.0).count() != 1) return std::nullopt;
@@ -104,15 +120,12 @@ std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::spa
   if (std::any_of(system.events.begin(), system.events.end(), bounces_for_ever)) return std::nullopt;
   const auto n = static_cast<Eigen::Index>(system.states), count = std::ssize(constraints);
   const auto parameters = std::ssize(active);
-  Matrix C(count, n), D(n, count), C_dp = Matrix::Zero(count, parameters);
-  Vector line(n), line_dp(p.size());
-  for (Eigen::Index k = 0; k < count; ++k) {
+  Matrix C, D, C_dp = Matrix::Zero(count, parameters);
+  gradients_and_directions(constraints, at.t, at.x, p, C, D);
+  Vector line_dp(p.size());
+  for (Eigen::Index k = 0; k < count && parameters > 0; ++k) {
     const Constraint& one = *constraints[static_cast<std::size_t>(k)];
-    one.dx(at.t, at.x, p, line);
-    C.row(k) = line;
-    one.direction(at.t, at.x, p, line);
-    D.col(k) = line;
-    if (parameters == 0 || !one.dp) continue;
+    if (!one.dp) continue;
     one.dp(at.t, at.x, p, line_dp);
     for (Eigen::Index i = 0; i < parameters; ++i)
       C_dp(k, i) = line_dp[static_cast<Eigen::Index>(active[static_cast<std::size_t>(i)])];
@@ -130,26 +143,21 @@ std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::spa
 }
 
 bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double t, const Vector& p, Vector& x) {
-  const std::vector<Constraint>& constraints = system.modes[mode].constraints;
-  const auto n = static_cast<Eigen::Index>(system.states), count = std::ssize(constraints);
+  std::vector<const Constraint*> constraints;
+  for (const Constraint& one : system.modes[mode].constraints) constraints.push_back(&one);
+  const auto count = std::ssize(constraints);
   const double size = 1.0 + x.lpNorm<Eigen::Infinity>();
   constexpr double rounding = 1e-15, farthest = 1e-2;
   constexpr int most_steps = 8;
-  Vector values(count), line(n), at = x;
+  Vector values(count), at = x;
   const auto evaluate = [&] {
-    for (Eigen::Index k = 0; k < count; ++k) values[k] = constraints[static_cast<std::size_t>(k)].value(t, at, p);
+    for (Eigen::Index k = 0; k < count; ++k) values[k] = constraints[static_cast<std::size_t>(k)]->value(t, at, p);
     return count > 0 ? values.lpNorm<Eigen::Infinity>() : 0.0;
   };
-  Matrix C(count, n), D(n, count);
+  Matrix C, D;
   double off = evaluate();
   for (int step = 0; step < most_steps && off > rounding * size; ++step) {
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Constraint& one = constraints[static_cast<std::size_t>(k)];
-      one.dx(t, at, p, line);
-      C.row(k) = line;
-      one.direction(t, at, p, line);
-      D.col(k) = line;
-    }
+    gradients_and_directions(constraints, t, at, p, C, D);
     const Eigen::FullPivLU<Matrix> CD(C * D);
     if (!CD.isInvertible()) return false;
     const Vector before = at;

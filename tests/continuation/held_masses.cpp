@@ -6,6 +6,7 @@
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"
+#include "support/pressed_mass.hpp"
 #include "support/system_texts.hpp"
 
 #include <catch2/catch.hpp>
@@ -216,14 +217,7 @@ TEST_CASE("a branch that cannot be begun again beyond a special point ends with 
 
 TEST_CASE("a branch on which a stop holds a mass all the time ends where the mass lifts off, and says so (fixed)") {
   // x is held at 1/2 by the force P - 1 + y - 0.1 y' > 0; y is a linear oscillator that feels x = 1/2.
-  SystemWriter writer;
-  writer.system.name = "pressed";
-  writer.forcing("w").parameter("w", "0.8").parameter("A", "0.3").parameter("P", "2");
-  writer.mechanics(
-      {"x", "y"}, {"v", "u"},
-      {{{"1", "0"}, {"0", "1"}}, {{"0.2", "-0.1"}, {"-0.1", "0.1"}}, {{"2", "-1"}, {"-1", "1"}}, {"P", "A*cos(w*t)"}});
-  writer.stop("wall", "0.5 - x", "newton", {"0.5"});
-  const HybridSystem system = equations::make_system(writer.system).system;
+  const HybridSystem system = equations::make_system(pressed_to("0.5 - x").system).system;
   const PeriodicOrbit start = orbit_from(system, default_parameters(system.parameters), vector({0.5, 0.0, 0.0, 0.0}));
   const Branch branch = followed(system, start, {"P", 0.0, 2.0, 0.0, -1});
   INFO(branch.message);

@@ -7,6 +7,7 @@
 #include <graze/lib/motion/rest.hpp>
 
 #include "support/checks.hpp"
+#include "support/pressed_mass.hpp"
 #include "support/system_texts.hpp"
 
 #include <catch2/catch.hpp>
@@ -272,28 +273,12 @@ TEST_CASE("a mass held by its stop while another one hits its own has two multip
   CHECK(two.multipliers.values[3] == 0.0);
 }
 
-namespace {
-
-/// Two masses, the first pressed by P to a rigid stop whose gap contains both coordinates.
-SystemWriter pressed_to(const std::string& gap, const std::string& w) {
-  SystemWriter writer;
-  writer.system.name = "pressed";
-  writer.forcing("w").parameter("w", w).parameter("A", "0.3").parameter("P", "2");
-  writer.mechanics(
-      {"x", "y"}, {"v", "u"},
-      {{{"1", "0"}, {"0", "1"}}, {{"0.2", "-0.1"}, {"-0.1", "0.1"}}, {{"2", "-1"}, {"-1", "1"}}, {"P", "A*cos(w*t)"}});
-  writer.stop("wall", gap, "newton", {"0.5"});
-  return writer;
-}
-
-}  // namespace
-
 TEST_CASE("a stop whose gap contains two coordinates leaves two exact zeros, straight or curved (fixed)") {
   // On x = 1/2 + y/20 the motion is that of y alone, with inertia, damping and stiffness J^T M J of J = (1/20, 1).
   const double mass = 1.0 + 0.0025, damping = 0.0005 - 0.01 + 0.1;
   for (const std::string gap : {"0.5 + 0.05*y - x", "0.5 + 0.05*y - 0.01*y^2 - x"}) {
     INFO(gap);
-    const HybridSystem system = made(pressed_to(gap, "0.8"));
+    const HybridSystem system = made(pressed_to(gap));
     const PeriodicOrbit orbit = orbit_from(system, vector({0.5, 0.0, 0.0, 0.0}), 60);
     REQUIRE(orbit.events.empty());
     const auto& mu = orbit.multipliers.values;
@@ -319,7 +304,7 @@ TEST_CASE("a stop whose gap contains two coordinates leaves two exact zeros, str
 }
 
 TEST_CASE("a start beside the constraint of a held mass is moved onto it, a start far from it is not") {
-  const HybridSystem system = made(pressed_to("0.5 + 0.05*y - 0.01*y^2 - x", "0.8"));
+  const HybridSystem system = made(pressed_to("0.5 + 0.05*y - 0.01*y^2 - x"));
   const Vector p = default_parameters(system.parameters);
   const auto on = [](double y, double u) { return vector({0.5 + 0.05 * y - 0.01 * y * y, y, (0.05 - 0.02 * y) * u, u}); };
   const Vector exact = on(0.3, -0.2);
