@@ -305,6 +305,7 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
     direction =
         before ? Vector((*here - *before) / small) : Vector(direction[direction.size() - 1] * moved.parameter_direction());
     start = *here;
+    moved.pin_as(problem, start);
     problem = std::move(moved);
   };
   clear_section();
@@ -428,7 +429,7 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
   from.orientation = way * there.parameter_direction();
   problem = std::move(there);
   problem.measure_by(from.u);
-  problem.pin(signature.pinned());
+  problem.pin_as(signature, from.u);
   return from;
 }
 

@@ -30,16 +30,24 @@ bool may_be_symmetric(const Signature& signature) {
   return true;
 }
 
-/// Distance of the orbit from its mirror image, relative to 1 + |x|; the image is taken half its (odd) period later if the
-/// symmetry has a shift. NaN if the motion cannot be carried there.
+/// Distance of the orbit from its mirror image, relative to 1 + |x|. The image is taken half its (odd) period later if the
+/// symmetry has a shift; without forcing at once or half its period later, whichever is nearer. NaN if the motion cannot be
+/// carried there.
 double asymmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& point) {
   Vector p = branch.parameters;
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, branch.parameter))] = point.value;
   Propagator propagator(system, p);
+  const auto distance = [&](const Vector& image) {
+    return (image - point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
+  };
   const std::size_t half = symmetry.shift == 0.0 ? 0 : static_cast<std::size_t>(branch.period / 2);
   const auto mirrored = mirrored_state(propagator, symmetry, point.states[half]);
   if (!mirrored) return std::nan("");
-  return (*mirrored - point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
+  if (is_forced(system)) return distance(*mirrored);
+  Transition transition;
+  carry(propagator, 0.0, 0.5 * point.duration, *mirrored, {.sensitivity = Sensitivity::none}, transition);
+  if (transition.termination != Termination::time) return std::nan("");
+  return std::min(distance(*mirrored), distance(transition.x1));
 }
 
 bool skips_bifurcation(const BranchPoint& last, const BranchPoint& next) {

@@ -31,9 +31,9 @@ SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, con
                       problem.equations().options()},
                      {},
                      std::move(added)};
-  out.problem.pin(problem.pinned());
   BranchStart& start = out.start;
   start.u = out.problem.pack(nodes, value);
+  out.problem.pin_as(problem, start.u);
   start.orientation = Vector::Zero(start.u.size());
   for (const std::size_t place : out.added) start.orientation += out.problem.speed_gradient(start.u, static_cast<int>(place));
   start.sequence = nodes.sequence;
@@ -67,8 +67,8 @@ OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states) 
   if (!nodes || impacts(system, {0, nodes->sequence}) != point.orbit.impacts) return own;
   own.by_events.emplace(system, point.orbit.parameters, states.period(), nodes->sequence, states.parameter(), states.scale(),
                         states.equations().options());
-  own.by_events->pin(states.pinned());
   own.u = own.by_events->pack(*nodes, point.value);
+  own.by_events->pin_as(states, own.u);
   return own;
 }
 
@@ -152,11 +152,19 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   if (direction[largest] * side < 0.0) direction = -direction;
   for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 1e-3}) {
     BranchStart start;
-    start.u = located.u + push * direction;
     start.step = push;
-    if (!correct(zero, direction, start.u, options).converged()) continue;
+    // The crossing branch need not be normal to this one. The first correction, which keeps the part along the normal, tells its
+    // direction.
+    Vector towards = direction;
+    double length = 0.0;
+    for (const double longest : {20.0, 1.5}) {
+      start.u = located.u + push * towards;
+      length = correct(zero, towards, start.u, options).converged() ? weighted_norm(zero.weights, start.u - located.u) : 0.0;
+      if (length < 1.5 * push || !(length < longest * push)) break;
+      towards = (start.u - located.u) / length;
+    }
+    if (length == 0.0 || !(length < 1.5 * push) || !problem.is_motion(start.u)) continue;
     start.orientation = start.u - located.u;
-    if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push) || !problem.is_motion(start.u)) continue;
     start.sequence = problem.sequence();
     const BranchPoint first = problem.branch_point(start.u, 0.0);
     if (first.impacts != bp.orbit.impacts) continue;

@@ -186,8 +186,8 @@ std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, c
                {},
                {},
                static_cast<int>(place)};
-  out.longer->pin(problem.pinned());
   out.at = out.longer->pack(nodes, problem.value(u));
+  out.longer->pin_as(problem, out.at);
   if (!to_zero_speed(*out.longer, out.at, out.event)) return std::nullopt;
   const Eigen::Index size = equations.states() + 1, rest = out.at.size() - (place + 1) * size;
   out.u.resize(u.size());

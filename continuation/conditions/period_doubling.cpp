@@ -72,7 +72,7 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   Vector p = null.left;
   p /= p.dot(q);
   Matrix I_minus_M = Matrix::Identity(n, n) - *M;
-  for (const PinnedState& pin : problem.pinned()) I_minus_M.row(pin.state) = Vector::Unit(n, pin.state).transpose();
+  for (const PinnedState& pin : problem.pinned()) I_minus_M.row(pin.state.index) = pin.state.gradient(n);
   const Eigen::PartialPivLU<Matrix> second_order(I_minus_M);
   return extrapolate_differences([&](double h) -> std::optional<double> {
     const auto ahead = jacobian(x0 + h * q), behind = jacobian(x0 - h * q);

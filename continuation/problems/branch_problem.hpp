@@ -6,6 +6,7 @@
 
 #include <graze/continuation/problems/branch.hpp>
 #include <graze/continuation/trace/zero_problem.hpp>
+#include <graze/floquet/orbit/kept_state.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -22,12 +23,13 @@ namespace graze {
 
 class OrbitProblem;
 
-/// A state that keeps its value along the whole orbit, for example the position of a mass that friction holds. Its closing
+/// A state, or the difference of two, that is the same after each period of the forcing whatever its value: the position of a
+/// mass that friction holds on the ground or on a table, or the distance of two masses that friction holds together. Its closing
 /// equation is then always satisfied, and orbits with any value in a band form a continuum. The branch selects the orbits with
-/// the given value: the equation "the state has this value at the first node" replaces the closing equation. The multiplier +1
-/// of this state is trivial.
+/// the given value: the equation "it has this value at the first node" replaces the closing equation. Its multiplier +1 is
+/// trivial.
 struct PinnedState {
-  Eigen::Index state = 0;  ///< index of the state
+  KeptState state;
   double value = 0.0;
 };
 
@@ -88,12 +90,19 @@ class BranchProblem {
   /// larger, their unit becomes a fiftieth of their size. Call this before following the branch through u.
   void measure_by(const Vector& u) { size_ = std::max(1.0, 0.02 * state_scale(u)); }
 
-  /// The states that keep their values along all motions next to the orbit at u, while constraints hold. Criterion: the row of
-  /// the state in the Jacobian of each stretch is exactly that of x_j - x_{j+1}. Empty if the equations cannot be evaluated.
+  /// The states that are kept on all motions next to the orbit at u, while constraints hold. Criterion: in the Jacobian of each
+  /// stretch the row of the state is, in the states, that of x_j - x_{j+1}, and in times and parameters the rows of all stretches
+  /// add up to zero. Empty if the equations cannot be evaluated.
   virtual std::vector<PinnedState> kept_states(const Vector& u) const = 0;
   /// Pins these states. Call this before following the branch through an orbit.
   void pin(std::vector<PinnedState> states) { pinned_ = std::move(states); }
   const std::vector<PinnedState>& pinned() const { return pinned_; }
+  /// Pins the states that the other problem pins, at the values that they have at u: its first node may lie elsewhere.
+  void pin_as(const BranchProblem& other, const Vector& u) {
+    pinned_ = other.pinned_;
+    const Layout at = layout();
+    for (PinnedState& pin : pinned_) pin.value = pin.state.of(u.segment(at.before, at.states));
+  }
 
   /// Dimensionless time simulated so far, as a measure of cost.
   virtual double time_carried() const = 0;
@@ -136,34 +145,22 @@ class BranchProblem {
   virtual Layout layout() const = 0;
 
   /// The states found by the criterion of kept_states() in the given Jacobian at u.
-  std::vector<PinnedState> kept_states(const Vector& u, const Matrix& jacobian) const {
-    const Layout at = layout();
-    std::vector<PinnedState> list;
-    for (Eigen::Index i = 0; i < at.states; ++i) {
-      bool kept = true;
-      for (Eigen::Index j = 0; j < at.nodes && kept; ++j) {
-        Eigen::RowVectorXd alone = Eigen::RowVectorXd::Zero(jacobian.cols());
-        alone[j * at.block + at.before + i] += 1.0;
-        alone[(j + 1) % at.nodes * at.block + at.before + i] -= 1.0;
-        kept = jacobian.row(j * at.block + i) == alone;
-      }
-      if (kept) list.push_back({i, u[at.before + i]});
-    }
-    return list;
-  }
+  std::vector<PinnedState> kept_states(const Vector& u, const Matrix& jacobian) const;
   /// The row of the closing equation of the state: the last stretch.
   Eigen::Index closing_row(const PinnedState& pin) const {
     const Layout at = layout();
-    return (at.nodes - 1) * at.block + pin.state;
+    return (at.nodes - 1) * at.block + pin.state.index;
   }
   /// Replaces the closing equations of the pinned states: in the residual, and in the Jacobian or K.
   void pin_residual(const Vector& u, Vector& residual) const {
-    for (const PinnedState& pin : pinned_) residual[closing_row(pin)] = u[layout().before + pin.state] - pin.value;
+    for (const PinnedState& pin : pinned_)
+      residual[closing_row(pin)] = pin.state.of(u.segment(layout().before, layout().states)) - pin.value;
   }
   template <class AnyMatrix> void pin_rows(AnyMatrix& jacobian) const {
     for (const PinnedState& pin : pinned_) {
       jacobian.row(closing_row(pin)).setZero();
-      jacobian(closing_row(pin), layout().before + pin.state) = 1.0;
+      jacobian(closing_row(pin), layout().before + pin.state.index) = 1.0;
+      if (pin.state.less) jacobian(closing_row(pin), layout().before + *pin.state.less) = -1.0;
     }
   }
   /// A left vector with zeros in the rows of the pinned states. These rows of K do not depend on u.

@@ -108,6 +108,32 @@ Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, dou
   return u;
 }
 
+std::vector<PinnedState> BranchProblem::kept_states(const Vector& u, const Matrix& jacobian) const {
+  const Layout at = layout();
+  const auto kept = [&](const KeptState& one) {
+    // Of the columns of times and parameters: the sum over all stretches, and that of the absolute values.
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(jacobian.cols()), size = sum;
+    for (Eigen::Index j = 0; j < at.nodes; ++j) {
+      Eigen::RowVectorXd row = one.row(jacobian, j * at.block);
+      const double rounding = one.rounding(row);
+      row.segment(j * at.block + at.before, at.states) -= one.gradient(at.states);
+      row.segment((j + 1) % at.nodes * at.block + at.before, at.states) += one.gradient(at.states);
+      for (Eigen::Index k = 0; k < at.nodes; ++k) {
+        auto states = row.segment(k * at.block + at.before, at.states);
+        if (states.lpNorm<Eigen::Infinity>() > rounding) return false;
+        states.setZero();
+      }
+      sum += row;
+      size += row.cwiseAbs();
+    }
+    constexpr double rounding_of_sum = 1e-10;
+    return (sum.array().abs() <= rounding_of_sum * (1.0 + size.array())).all();
+  };
+  std::vector<PinnedState> list;
+  for (const KeptState& one : find_kept_states(at.states, kept)) list.push_back({one, one.of(u.segment(at.before, at.states))});
+  return list;
+}
+
 Vector BranchProblem::parameters_at(const Vector& u) const {
   constexpr double slack = 1e-13;
   const ParameterInfo& info = system().parameters[parameter_];

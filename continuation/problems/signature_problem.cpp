@@ -159,7 +159,7 @@ OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double
   for (int j = 0; j < nodes; ++j) times[static_cast<std::size_t>(j)] = (section + static_cast<double>(j) / per_period) * T;
   out = problem.pack(states_at(u, times), equations_.duration(), value(u));
   problem.measure_by(out);
-  problem.pin(pinned_);
+  problem.pin_as(*this, out);
   return problem;
 }
 

@@ -16,7 +16,6 @@ std::optional<Vector> mirrored_state(Propagator& propagator, const Symmetry& sym
 
 std::vector<Vector> mirror_image(const HybridSystem& system, const Vector& p, const Symmetry& symmetry,
                                  const std::vector<Vector>& states) {
-  const double T = forcing_period(system, p);
   Propagator propagator(system, p);
   Transition transition;
   std::vector<Vector> image;
@@ -25,6 +24,8 @@ std::vector<Vector> mirror_image(const HybridSystem& system, const Vector& p, co
     if (!mirrored || !mode_at(system, 0.0, *mirrored, p)) return {};
     image.push_back(*mirrored);
   }
+  if (!is_forced(system)) return image;  // S x(t) is a motion, and periodic as x(t) is
+  const double T = forcing_period(system, p);
   // The error of a state, amplified by the tangent, limits the accuracy.
   constexpr double error = 1e-9;
   for (std::size_t k = 0; k < image.size(); ++k) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/multipliers.hpp>
+
+#include <graze/floquet/orbit/kept_state.hpp>
 #include <graze/lib/numerics/rank.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -198,31 +200,35 @@ std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors
   return values;
 }
 
-/// The states that keep their values while other ones are held: the row of each partial product is exactly the unit row. A map
+/// The states that keep their values while other ones are held: their row of each partial product is that of the identity. A map
 /// of full rank holds nothing.
-std::vector<Eigen::Index> kept_states(const MonodromyMatrix& monodromy) {
+std::vector<KeptState> kept_states(const MonodromyMatrix& monodromy) {
   const std::vector<double> dets = determinants(monodromy.factors, monodromy.log_dets).list;
   if (std::find(dets.begin(), dets.end(), 0.0) == dets.end()) return {};
   const Eigen::Index n = monodromy.factors.front().rows();
-  std::vector<Eigen::Index> kept(static_cast<std::size_t>(n));
-  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
-  Matrix product = Matrix::Identity(n, n);
-  for (const Matrix& factor : monodromy.factors) {
-    product = factor * product;
-    std::erase_if(kept, [&](Eigen::Index i) { return product.row(i) != Matrix::Identity(n, n).row(i); });
-    if (kept.empty()) break;
-  }
-  return kept;
+  std::vector<Matrix> products;
+  for (const Matrix& factor : monodromy.factors) products.push_back(products.empty() ? factor : Matrix(factor * products.back()));
+  return find_kept_states(n, [&](const KeptState& one) {
+    return std::all_of(products.begin(), products.end(), [&](const Matrix& product) {
+      const Eigen::RowVectorXd row = one.row(product);
+      return (row - one.gradient(n)).lpNorm<Eigen::Infinity>() <= one.rounding(row);
+    });
+  });
 }
 
 /// The same map of the other states alone, with these ones as they are. The determinants of the factors stay: a kept state
 /// depends on itself and on what is held.
-MonodromyMatrix without(const MonodromyMatrix& monodromy, const std::vector<Eigen::Index>& kept) {
+MonodromyMatrix without(const MonodromyMatrix& monodromy, const std::vector<KeptState>& kept) {
   std::vector<Eigen::Index> others;
   for (Eigen::Index i = 0; i < monodromy.factors.front().rows(); ++i)
-    if (std::find(kept.begin(), kept.end(), i) == kept.end()) others.push_back(i);
+    if (std::none_of(kept.begin(), kept.end(), [i](const KeptState& one) { return one.index == i; })) others.push_back(i);
   MonodromyMatrix out = monodromy;
-  for (Matrix& factor : out.factors) factor = Matrix(factor(others, others));
+  for (Matrix& factor : out.factors) {
+    // Where a distance is kept, the other state moves both.
+    for (const KeptState& one : kept)
+      if (one.less) factor.col(*one.less) += factor.col(one.index);
+    factor = Matrix(factor(others, others));
+  }
   if (out.trivial_direction.size() > 0) out.trivial_direction = Vector(out.trivial_direction(others));
   return out;
 }
@@ -260,7 +266,7 @@ FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
   if (whole.factors.empty()) return result;
   for (const Matrix& factor : whole.factors)
     if (!factor.allFinite()) return result;
-  const std::vector<Eigen::Index> kept = kept_states(whole);
+  const std::vector<KeptState> kept = kept_states(whole);
   const MonodromyMatrix others = kept.empty() ? MonodromyMatrix{} : without(whole, kept);
   const MonodromyMatrix& monodromy = kept.empty() ? whole : others;
   if (monodromy.section == Section::stroboscopic) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/shooting.hpp>
+
+#include <graze/floquet/orbit/kept_state.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
 
@@ -20,6 +22,27 @@ double unknowns_size(const Vector& u) { return 1.0 + u.lpNorm<Eigen::Infinity>()
 
 double relative(const Vector& residual, const Vector& u) { return residual.lpNorm<Eigen::Infinity>() / unknowns_size(u); }
 
+/// The states kept on all stretches (their closing equation is no condition), while constraints hold.
+std::vector<KeptState> kept_states(const ShootingEquations& equations) {
+  for (int j = 0; j < equations.nodes(); ++j)
+    if (equations.stretch(j).lost == 0) return {};
+  return find_kept_states(equations.states(), [&](const KeptState& one) {
+    for (int j = 0; j < equations.nodes(); ++j) {
+      const Eigen::RowVectorXd row = one.row(equations.stretch(j).Phi);
+      if ((row - one.gradient(equations.states())).lpNorm<Eigen::Infinity>() > one.rounding(row)) return false;
+    }
+    return true;
+  });
+}
+
+/// Newton's step. If states are kept, it is the shortest one: they stay where they are as far as possible.
+Vector newton_step(const ShootingEquations& equations, const Matrix& jacobian, const Vector& residual) {
+  if (kept_states(equations).empty()) return OrbitLU<Matrix>(jacobian).solve(-residual);
+  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
+  decomposition.setThreshold(1e-11);  // above the rounding of the kept rows
+  return decomposition.compute(jacobian).solve(-residual);
+}
+
 /// Newton's method from u, which is changed in place. (The last evaluation need not be at u.)
 NewtonReport solve(ShootingEquations& equations, Vector& u, const ShootingOptions& options) {
   DampedNewton newton(newton_rule(options));
@@ -35,7 +58,7 @@ NewtonReport solve(ShootingEquations& equations, Vector& u, const ShootingOption
       u = trial;
       if (!newton.open()) break;
       equations.jacobian(jacobian);
-      step = OrbitLU<Matrix>(jacobian).solve(-residual);
+      step = newton_step(equations, jacobian, residual);
       newton.begin_step(step.allFinite() ? step.lpNorm<Eigen::Infinity>() : std::nan(""), unknowns_size(u));
     }
     trial = u + newton.factor() * step;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/equations/nonsmooth.hpp>
 
-#include <graze/lib/equations/polynomial.hpp>
+#include <graze/lib/equations/poles.hpp>
 #include <graze/lib/equations/structure.hpp>
 
 #include <fmt/format.h>
@@ -24,16 +24,28 @@ constexpr std::size_t longest_argument = 40;
 
 bool is_jump(Operation operation) { return operation == Operation::sign || operation == Operation::step; }
 
+/// Smallest absolute value of a divisor inside of a bounded function, whose values are its limits there.
+constexpr double least_divisor = 1e-150;
+
 /// An argument whose sign decides the branch of some functions.
 struct Switch {
   Expression argument;
   bool jumps = false;
+  bool is_divisor = false;  ///< of a quotient in a bounded function
+};
+/// A quotient in atan or tanh; its divisor is `side` times the argument of a switch.
+struct InnerQuotient {
+  Expression node;
+  Quotient quotient;
+  std::size_t number = 0;
+  int side = 1;
 };
 /// A nonsmooth function; side -1: its argument is the negative of the switch's argument.
 struct Bend {
   Expression node;
   std::size_t number = 0;
   int side = 1;
+  std::vector<InnerQuotient> quotients = {};  ///< of atan and tanh, operands first; `number` is the last of theirs
 };
 
 /// The nonsmooth functions of one mode.
@@ -41,6 +53,15 @@ struct Splitter {
   Graph& graph;
   std::vector<Switch> switches;
   std::vector<Bend> bends;  ///< operands first
+  const std::vector<ParameterInfo>& parameters;
+  std::map<Expression, std::size_t> numbers;  ///< of the switches, by the normal forms of their arguments
+
+  /// max(sign e, least) with the sign: e itself where it has the sign, continued by its limit beyond.
+  Expression one_sided(Expression e, int sign, double least) const {
+    const Expression own = sign > 0 ? e : graph.negate(e);
+    const Expression out = graph.function(Operation::max, own, graph.constant(least));
+    return sign > 0 ? out : graph.negate(out);
+  }
 
   Expression resolved(Expression e, const Signs& signs, std::size_t known) const {
     Replacement replacement;
@@ -50,6 +71,23 @@ struct Splitter {
       const bool positive = signs[bend.number] * bend.side > 0;
       Expression branch;
       switch (n.operation) {
+      case Operation::atan:
+      case Operation::tanh: {
+        Replacement inside = replacement;
+        for (const InnerQuotient& one : bend.quotients) {
+          const Expression divisor =
+              one_sided(graph.substitute(one.quotient.divisor, inside), signs[one.number] * one.side, least_divisor);
+          inside[one.node.index] =
+              graph.divide(graph.substitute(one.quotient.numerator, inside), graph.integer_power(divisor, one.quotient.power));
+        }
+        replacement[bend.node.index] = graph.substitute(bend.node, inside);
+        continue;
+      }
+      case Operation::atan2:
+        // Odd in its first operand: with -0 for it, the jump could be proved away.
+        branch = graph.function(Operation::atan2, one_sided(positive ? n.a : graph.negate(n.a), 1, 0.0), n.b);
+        if (!positive) branch = graph.negate(branch);
+        break;
       case Operation::abs:
         branch = positive ? n.a : graph.negate(n.a);
         break;
@@ -67,7 +105,12 @@ struct Splitter {
     return graph.substitute(e, replacement);
   }
   Expression resolved(Expression e, const Signs& signs) const { return resolved(e, signs, switches.size()); }
-  Expression argument(std::size_t i, const Signs& signs) const { return resolved(switches[i].argument, signs, i); }
+  Expression argument(std::size_t i, const Signs& signs) const {
+    std::vector<SignedDivisor> divisors;
+    for (std::size_t k = 0; k < i; ++k)
+      if (switches[k].is_divisor) divisors.push_back({resolved(switches[k].argument, signs, k), signs[k]});
+    return without_quotients(graph, resolved(switches[i].argument, signs, i), divisors, parameters);
+  }
 };
 
 Signs flipped(Signs signs, std::size_t i) {
@@ -81,6 +124,7 @@ struct SplitMode {
   std::vector<Signs> representatives;       ///< for each new mode
   std::map<Signs, std::size_t> class_of;    ///< number of the new mode of a combination, within this mode
   std::vector<std::vector<bool>> decisive;  ///< for each new mode: the signs whose change leads to another one
+  std::vector<Signs> common;                ///< for each new mode: the signs of all its combinations, 0 where they differ
   std::size_t first = 0;                    ///< index of the first new mode
 };
 
@@ -115,13 +159,51 @@ class Separation {
 
   std::string shown(Expression e) const { return to_text(graph_, e, symbols_, longest_argument); }
 
-  Splitter find_switches(std::size_t m) {
-    Splitter out{graph_, {}, {}};
-    std::map<Expression, std::size_t> number;
+  /// The number and the side of the switch with an argument, which is added if there is none.
+  static std::pair<std::size_t, int> switch_of(Splitter& splitter, Expression argument) {
+    Graph& graph = splitter.graph;
+    const Expression up = normal_form(graph, argument), down = normal_form(graph, graph.negate(argument));
+    const auto [same, is_new] = splitter.numbers.try_emplace(up, splitter.switches.size());
+    if (!is_new) return {same->second, 1};
+    if (const auto opposite = splitter.numbers.find(down);
+        opposite != splitter.numbers.end() && opposite->second != same->second) {
+      splitter.numbers.erase(same);
+      return {opposite->second, -1};
+    }
+    splitter.switches.push_back({argument});
+    return {splitter.switches.size() - 1, 1};
+  }
+
+  bool is_one_of(const std::vector<Expression>& divisors, Expression divisor) const {
+    return std::any_of(divisors.begin(), divisors.end(),
+                       [&](Expression one) { return same_up_to_sign(graph_, one, divisor) != 0; });
+  }
+
+  /// `divisors`: those that become switches.
+  Splitter find_switches(std::size_t m, const std::vector<Expression>& divisors) {
+    Splitter out{graph_, {}, {}, parameters_, {}};
     for (const Expression part : reachable(graph_, roots(m))) {
       const Node n = graph_.node(part);
-      if (!is_nonsmooth(n.operation)) continue;
-      const Expression argument = switching_argument(graph_, n);
+      if (!divisors.empty())
+        if (const auto quotient = as_quotient(graph_, part, parameters_); quotient && is_one_of(divisors, quotient->divisor)) {
+          Switch& own = out.switches[switch_of(out, quotient->divisor).first];
+          own.jumps = own.is_divisor = true;
+        }
+      if (n.operation == Operation::atan || n.operation == Operation::tanh) {
+        if (divisors.empty()) continue;
+        Bend bend{part};
+        for (const Expression inner : reachable(graph_, n.a))
+          if (const auto quotient = as_quotient(graph_, inner, parameters_); quotient && is_one_of(divisors, quotient->divisor)) {
+            const auto [number, side] = switch_of(out, quotient->divisor);
+            bend.quotients.push_back({inner, *quotient, number, side});
+            bend.number = std::max(bend.number, number);
+          }
+        if (!bend.quotients.empty()) out.bends.push_back(std::move(bend));
+        continue;
+      }
+      const bool has_cut = n.operation == Operation::atan2 && bounds(graph_, n.b, parameters_).lower < 0.0;
+      if (!is_nonsmooth(n.operation) && !has_cut) continue;
+      const Expression argument = has_cut ? n.a : switching_argument(graph_, n);
       if (!dependence(graph_, argument).moves()) continue;  // the sign of a parameter is not an event
       for (const Expression inner : reachable(graph_, argument))
         if (is_jump(graph_.node(inner).operation) && dependence(graph_, inner).moves())
@@ -129,23 +211,36 @@ class Separation {
                               fmt::format("sign or step inside of {} in mode {} is not handled; write its modes out",
                                           n.operation == Operation::abs ? "abs" : function_name(n.operation),
                                           pieces_.modes[m].name));
-      const Expression up = normal_form(graph_, argument), down = normal_form(graph_, graph_.negate(argument));
-      const auto same = number.find(up), opposite = number.find(down);
-      Bend bend{part, out.switches.size(), 1};
-      if (same != number.end()) {
-        bend.number = same->second;
-      } else if (opposite != number.end()) {
-        bend.number = opposite->second;
-        bend.side = -1;
-      } else {
-        number.emplace(up, bend.number);
-        out.switches.push_back({argument, false});
-      }
-      Switch& own = out.switches[bend.number];
-      own.jumps = own.jumps || is_jump(n.operation);
-      out.bends.push_back(bend);
+      const auto [number, side] = switch_of(out, argument);
+      out.bends.push_back({part, number, side});
+      Switch& own = out.switches[number];
+      own.jumps = own.jumps || has_cut || is_jump(n.operation);
     }
     return out;
+  }
+
+  /// The divisors of quotients in bounded functions whose zeros a motion passes in some combination of signs: there, no equation
+  /// is divided by them.
+  std::vector<Expression> passed_divisors(std::size_t m, const Splitter& splitter) {
+    std::vector<Expression> inside;
+    for (const Expression part : reachable(graph_, roots(m))) {
+      const Node n = graph_.node(part);
+      if (n.operation == Operation::atan || n.operation == Operation::tanh) inside.push_back(n.a);
+      if (is_nonsmooth(n.operation)) inside.push_back(switching_argument(graph_, n));
+    }
+    std::vector<Expression> divisors = vanishing_divisors(graph_, inside, parameters_, true);
+    if (divisors.empty()) return divisors;
+    std::vector<bool> passed(divisors.size(), false);
+    for (const Signs& at : combinations_of(splitter, m)) {
+      std::vector<Expression> field;
+      for (const Expression f : pieces_.modes[m].field) field.push_back(splitter.resolved(f, at));
+      const std::vector<Expression> bare = vanishing_divisors(graph_, field, parameters_, false);
+      for (std::size_t k = 0; k < divisors.size(); ++k)
+        passed[k] = passed[k] || !is_one_of(bare, splitter.resolved(divisors[k], at));
+    }
+    for (std::size_t k = divisors.size(); k-- > 0;)
+      if (!passed[k]) divisors.erase(divisors.begin() + static_cast<std::ptrdiff_t>(k));
+    return divisors;
   }
 
   /// Collects all combinations of signs that bounds do not exclude.
@@ -181,21 +276,30 @@ class Separation {
         fmt::format("the nonsmooth functions of mode {} make more than {} modes of it", pieces_.modes[m].name, max_split_modes));
   }
 
-  void split(std::size_t m) {
-    split_.push_back({find_switches(m), {}, {}, {}, out_.modes.size()});
-    SplitMode& mode = split_.back();
-    const Splitter& splitter = mode.splitter;
-    std::vector<Signs> combinations;
+  std::vector<Signs> combinations_of(const Splitter& splitter, std::size_t m) {
+    std::vector<Signs> out;
     Signs signs;
     std::vector<Expression> arguments;
-    combine(splitter, signs, arguments, combinations, m);
+    combine(splitter, signs, arguments, out, m);
+    return out;
+  }
+
+  void split(std::size_t m) {
+    const Splitter plain = find_switches(m, {});
+    const std::vector<Expression> divisors = passed_divisors(m, plain);
+    split_.push_back({divisors.empty() ? plain : find_switches(m, divisors), {}, {}, {}, {}, out_.modes.size()});
+    SplitMode& mode = split_.back();
+    const Splitter& splitter = mode.splitter;
+    const std::vector<Signs> combinations = combinations_of(splitter, m);
     const std::vector<Expression> parts = roots(m);
     std::map<Signs, std::vector<Expression>> values;
     for (const Signs& one : combinations)
       for (const Expression part : parts) values[one].push_back(splitter.resolved(part, one));
     const std::size_t count = splitter.switches.size();
-    // A sign matters if it changes an expression of the mode anywhere, or the argument of another sign that matters.
-    std::vector<bool> matters(count, false);
+    // A sign matters if it changes an expression of the mode anywhere, or the argument of another sign that matters. That of a
+    // divisor does: others may change with it.
+    std::vector<bool> matters;
+    for (const Switch& one : splitter.switches) matters.push_back(one.is_divisor);
     for (bool changed = true; changed;) {
       changed = false;
       for (std::size_t i = 0; i < count; ++i)
@@ -234,12 +338,18 @@ class Separation {
       part_of = std::move(finer);
     }
     for (const Signs& one : combinations) {
-      if (part_of[one] < mode.representatives.size()) continue;  // numbered in order of appearance
+      if (const std::size_t number = part_of[one]; number < mode.representatives.size()) {  // numbered in order of appearance
+        for (std::size_t i = 0; i < count; ++i)
+          if (mode.common[number][i] != one[i]) mode.common[number][i] = 0;
+        continue;
+      }
+      mode.common.push_back(one);
       mode.representatives.push_back(one);
       mode.decisive.emplace_back(count, false);
       for (std::size_t i = 0; i < count; ++i) {
         const auto other = part_of.find(flipped(one, i));
-        mode.decisive.back()[i] = other != part_of.end() && other->second != part_of[one];
+        mode.decisive.back()[i] =
+            (matters[i] && splitter.switches[i].is_divisor) || (other != part_of.end() && other->second != part_of[one]);
       }
     }
     mode.class_of = std::move(part_of);
@@ -259,10 +369,12 @@ class Separation {
   }
 
   /// Expressions known to be nonnegative at an event in a mode.
-  std::vector<Expression> certain(const EventPiece& event, const SplitMode& mode, const Signs& signs,
+  std::vector<Expression> certain(const EventPiece& event, const SplitMode& mode, std::size_t number,
                                   const std::vector<Expression>& field) {
     std::vector<Expression> list;
+    const Signs &signs = mode.representatives[number], &common = mode.common[number];
     for (std::size_t i = 0; i < signs.size(); ++i) {
+      if (common[i] == 0) continue;
       const Expression argument = mode.splitter.argument(i, signs);
       list.push_back(signs[i] > 0 ? argument : graph_.negate(argument));
     }
@@ -313,44 +425,49 @@ class Separation {
       std::vector<Reached> rests{{}};
       if (piece.accumulation) {
         for (Expression& one : piece.accumulation->map) one = from.splitter.resolved(one, signs);
-        rests = reached(piece, piece.accumulation->map, split_[event.accumulation->sticking_mode], from, signs);
+        rests = reached(piece, piece.accumulation->map, split_[event.accumulation->sticking_mode], from, number);
       }
-      const std::vector<Reached> targets = reached(piece, piece.map, to, from, signs);
-      for (std::size_t i = 0; i < targets.size(); ++i) {
-        for (std::size_t j = 0; j < rests.size(); ++j) {
-          EventPiece one = piece;
-          one.to = targets[i].mode;
-          if (one.accumulation) one.accumulation->sticking_mode = rests[j].mode;
-          const bool last = i + 1 == targets.size() && j + 1 == rests.size();
-          if (!last) {
-            if (!one.otherwise) one.otherwise.emplace();
-            auto& conditions = one.otherwise->conditions;
-            conditions.insert(conditions.end(), targets[i].conditions.begin(), targets[i].conditions.end());
-            conditions.insert(conditions.end(), rests[j].conditions.begin(), rests[j].conditions.end());
-            one.otherwise->event = out_.events.size() + 1;
-          } else if (one.otherwise) {
-            one.otherwise->event = event.otherwise->event;
-            to_group_.push_back({out_.events.size(), number});
-          }
-          out_.events.push_back(std::move(one));
-        }
+      add_event(piece, reached(piece, piece.map, to, from, number), rests);
+      if (event.otherwise) {
+        out_.events.back().otherwise->event = event.otherwise->event;
+        to_group_.push_back({out_.events.size() - 1, number});
       }
     }
   }
 
+  /// Adds an event with the modes that it may reach, as several with the same guard if there are several.
+  void add_event(const EventPiece& piece, const std::vector<Reached>& targets, const std::vector<Reached>& rests) {
+    for (std::size_t i = 0; i < targets.size(); ++i)
+      for (std::size_t j = 0; j < rests.size(); ++j) {
+        EventPiece one = piece;
+        one.to = targets[i].mode;
+        if (one.accumulation) one.accumulation->sticking_mode = rests[j].mode;
+        if (i + 1 < targets.size() || j + 1 < rests.size()) {
+          if (!one.otherwise) one.otherwise.emplace();
+          auto& conditions = one.otherwise->conditions;
+          conditions.insert(conditions.end(), targets[i].conditions.begin(), targets[i].conditions.end());
+          conditions.insert(conditions.end(), rests[j].conditions.begin(), rests[j].conditions.end());
+          one.otherwise->event = out_.events.size() + 1;
+        }
+        out_.events.push_back(std::move(one));
+      }
+  }
+
   /// The new modes that a state may reach after an event with this map; the last one needs no condition.
+  /// `flipped`: the sign that changes at the event.
   std::vector<Reached> reached(const EventPiece& piece, const std::vector<Expression>& map, const SplitMode& to,
-                               const SplitMode& from, const Signs& signs) {
+                               const SplitMode& from, std::size_t number, std::optional<std::size_t> flipped = {}) {
     if (to.representatives.size() == 1) return {{to.first, {}}};
-    const auto known = certain(piece, from, signs, out_.modes[piece.from].field);
+    const auto known = certain(piece, from, number, out_.modes[piece.from].field);
     Replacement after, on_guard;
     for (std::size_t i = 0; i < map.size(); ++i) after.emplace(graph_.state(i).index, map[i]);
     if (const auto solution = solve_guard(graph_, piece.guard, map.size(), [](std::size_t) { return true; }))
       on_guard.emplace(graph_.state(solution->state).index, solution->value);
     std::vector<Reached> targets;
-    Signs so_far;
+    Signs so_far, given(to.splitter.switches.size(), 0);
+    if (flipped) given[*flipped] = -from.representatives[number][*flipped];
     std::vector<Expression> conditions;
-    follow(to, after, on_guard, known, so_far, conditions, targets);
+    follow(to, after, on_guard, known, given, so_far, conditions, targets);
     const bool one_mode =
         std::all_of(targets.begin(), targets.end(), [&](const Reached& one) { return one.mode == targets[0].mode; });
     if (one_mode) targets.resize(std::min<std::size_t>(1, targets.size()));
@@ -361,8 +478,9 @@ class Separation {
     return targets;
   }
 
+  /// `given`: the signs that are known, 0 for the others.
   void follow(const SplitMode& to, const Replacement& after, const Replacement& on_guard, const std::vector<Expression>& known,
-              Signs& signs, std::vector<Expression>& conditions, std::vector<Reached>& targets) {
+              const Signs& given, Signs& signs, std::vector<Expression>& conditions, std::vector<Reached>& targets) {
     const std::size_t i = signs.size();
     if (i == to.splitter.switches.size()) {
       if (const auto found = to.class_of.find(signs); found != to.class_of.end())
@@ -372,12 +490,12 @@ class Separation {
     const Expression behind = graph_.substitute(to.splitter.argument(i, signs), after);
     std::vector<Expression> there;
     for (const Expression one : known) there.push_back(graph_.substitute(one, on_guard));
-    const int sign = sign_of(graph_.substitute(behind, on_guard), there);
+    const int sign = given[i] != 0 ? given[i] : sign_of(graph_.substitute(behind, on_guard), there);
     for (const int one : {1, -1}) {
       if (sign == -one) continue;
       signs.push_back(one);
       if (sign == 0) conditions.push_back(one > 0 ? behind : graph_.negate(behind));
-      follow(to, after, on_guard, known, signs, conditions, targets);
+      follow(to, after, on_guard, known, given, signs, conditions, targets);
       if (sign == 0) conditions.pop_back();
       signs.pop_back();
     }
@@ -390,19 +508,20 @@ class Separation {
       const Signs& signs = mode.representatives[number];
       for (std::size_t i = 0; i < signs.size(); ++i) {
         if (!mode.decisive[number][i]) continue;
-        const auto target = mode.class_of.find(flipped(signs, i));
-        if (target == mode.class_of.end() || target->second == number) continue;
         const Expression argument = mode.splitter.argument(i, signs);
         EventPiece event;
         event.name = fmt::format("{} {}", shown(mode.splitter.switches[i].argument), signs[i] > 0 ? "falls" : "rises");
         event.text = made_event;
         event.from = mode.first + number;
-        event.to = mode.first + target->second;
         event.guard = signs[i] > 0 ? graph_.negate(argument) : argument;
         for (std::size_t j = 0; j < pieces_.modes[m].field.size(); ++j) event.map.push_back(graph_.state(j));
         event.continuous = !mode.splitter.switches[i].jumps;
         event.when = event.reset = pieces_.modes[m].place;
-        out_.events.push_back(std::move(event));
+        // At a divisor's zero the signs of other arguments change as well.
+        const std::vector<Reached> targets = mode.splitter.switches[i].is_divisor
+                                                 ? reached(event, event.map, mode, mode, number, i)
+                                                 : std::vector<Reached>{{mode.first + mode.class_of.at(flipped(signs, i)), {}}};
+        if (targets.size() > 1 || targets[0].mode != event.from) add_event(event, targets, {{}});
       }
     }
   }

@@ -39,7 +39,8 @@ bool agree(const Vector& a, const Vector& b) {
 
 class Search {
  public:
-  Search(const HybridSystem& system, const Vector& p) : system_(system), p_(p), T_(forcing_period(system, p)) {
+  Search(const HybridSystem& system, const Vector& p)
+      : system_(system), p_(p), T_(is_forced(system) ? forcing_period(system, p) : 1.0) {
     std::mt19937 generator(1);
     const auto draw = [&generator] { return 2.0 * (static_cast<double>(generator()) / 4294967296.0) - 1.0; };
     for (int i = 0; i < points; ++i) {
@@ -47,6 +48,13 @@ class Search {
       const double size = std::pow(10.0, draw());
       for (double& one : x) one = size * draw();
       at_.push_back({T_ * draw(), std::move(x)});
+    }
+    classes_.resize(system.modes.size());
+    std::iota(classes_.begin(), classes_.end(), std::size_t{0});
+    for (const Event& event : system.events) {
+      markers_.push_back(changes_nothing(event));
+      if (markers_.back())
+        std::replace(classes_.begin(), classes_.end(), std::size_t{classes_[event.to]}, std::size_t{classes_[event.from]});
     }
   }
 
@@ -123,7 +131,8 @@ class Search {
     for (std::size_t i = 0; i < S.from.size(); ++i)
       matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(S.from[i])) = S.sign[i];
     for (const double shift : {0.5, 0.0})
-      if (!(shift == 0.0 && matrix.isIdentity(0.0)) && holds(S, shift)) out.push_back({matrix, shift});
+      if ((shift == 0.0 || is_forced(system_)) && !(shift == 0.0 && matrix.isIdentity(0.0)) && holds(S, shift))
+        out.push_back({matrix, shift});
   }
 
   bool of_flight(const Permutation& S, double shift) const {
@@ -142,7 +151,7 @@ class Search {
       image.push_back(found);
     }
     for (const Event& event : system_.events)
-      if (std::none_of(system_.events.begin(), system_.events.end(), [&](const Event& other) {
+      if (!is_marker(event) && std::none_of(system_.events.begin(), system_.events.end(), [&](const Event& other) {
             return other.kind == event.kind && takes_event(S, shift, event, other, image);
           }))
         return false;
@@ -164,14 +173,24 @@ class Search {
     return takes_field(S, shift, m, other) && events_of(m) == events_of(other) && guards_match(S, shift, m, other);
   }
 
+  /// A section that is only counted.
+  bool is_marker(const Event& event) const { return markers_[static_cast<std::size_t>(&event - system_.events.data())]; }
+
+  bool changes_nothing(const Event& event) const {
+    return !event.reset.map && std::all_of(at_.begin(), at_.end(), [&](const Point& at) {
+      return agree(field(event.from, at.t, at.x), field(event.to, at.t, at.x));
+    });
+  }
+
   std::size_t events_of(std::size_t mode) const {
-    return static_cast<std::size_t>(
-        std::count_if(system_.events.begin(), system_.events.end(), [&](const Event& one) { return one.from == mode; }));
+    return static_cast<std::size_t>(std::count_if(system_.events.begin(), system_.events.end(),
+                                                  [&](const Event& one) { return one.from == mode && !is_marker(one); }));
   }
 
   bool guards_match(const Permutation& S, double shift, std::size_t m, std::size_t other) const {
     return std::all_of(system_.events.begin(), system_.events.end(), [&](const Event& event) {
-      return event.from != m || std::any_of(system_.events.begin(), system_.events.end(), [&](const Event& one) {
+      return event.from != m || is_marker(event) ||
+             std::any_of(system_.events.begin(), system_.events.end(), [&](const Event& one) {
                return one.from == other && one.kind == event.kind && takes_guard(S, shift, event, one);
              });
     });
@@ -186,7 +205,7 @@ class Search {
 
   bool takes_event(const Permutation& S, double shift, const Event& event, const Event& other,
                    const std::vector<std::size_t>& image) const {
-    if (other.from != image[event.from] || other.to != image[event.to]) return false;
+    if (classes_[other.from] != classes_[image[event.from]] || classes_[other.to] != classes_[image[event.to]]) return false;
     return takes_guard(S, shift, event, other) && std::all_of(at_.begin(), at_.end(), [&](const Point& at) {
              // A reset is valid on the guard only and may set a state there. Its effect on the other states is compared.
              const Vector a = S(reset(event, at.t, at.x)), b = reset(other, at.t + shift * T_, S(at.x));
@@ -198,17 +217,15 @@ class Search {
   const Vector& p_;
   double T_;
   std::vector<Point> at_;
+  std::vector<bool> markers_;         ///< for each event
+  std::vector<std::size_t> classes_;  ///< equal for modes between which there are markers
 };
 
 }  // namespace
 
-std::vector<Symmetry> symmetries(const HybridSystem& system, const Vector& p) {
-  return is_forced(system) ? Search(system, p).all(true) : std::vector<Symmetry>{};
-}
+std::vector<Symmetry> symmetries(const HybridSystem& system, const Vector& p) { return Search(system, p).all(true); }
 
-std::vector<Symmetry> flight_symmetries(const HybridSystem& system, const Vector& p) {
-  return is_forced(system) ? Search(system, p).all(false) : std::vector<Symmetry>{};
-}
+std::vector<Symmetry> flight_symmetries(const HybridSystem& system, const Vector& p) { return Search(system, p).all(false); }
 
 std::string symmetry_text(const HybridSystem& system, const Symmetry& symmetry) {
   const std::vector<std::string> names = state_names(system);

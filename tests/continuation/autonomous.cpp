@@ -3,6 +3,7 @@
 // simulation. The branches pass grazings, period doublings and branch points.
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/orbit/mirror.hpp>
 #include <graze/floquet/orbit/returns.hpp>
 
 #include "support/branches.hpp"
@@ -156,17 +157,49 @@ TEST_CASE("both halves of a pitchfork of autonomous orbits are followed") {
   options.parameter = "p";
   options.to = 0.3;
   const std::vector<Branch> branches = continue_orbit(system, orbit, options);
-  REQUIRE(branches.size() == 3);
+  REQUIRE(branches.size() == 2);  // (x, y, z) -> (x, y, -z) maps one half to the other
   const auto crossings = points_of(branches[0], PointType::BP);
   REQUIRE(crossings.size() == 1);
   CHECK(std::abs(crossings[0].value) < 1e-12);
-  for (const std::size_t k : {1, 2}) {
-    CHECK(branches[k].parent->label == crossings[0].label);
-    CHECK(branches[k].stop == BranchStop::reached_bound);
-    CHECK(check_branch(system, branches[k]) == std::vector<std::string>{});
-    // The mean of z'/z is zero, so that the mean of z^2 is p: the multiplier is exp(2 pi (p - 3 p)).
-    for (const BranchPoint& point : branches[k].points)
-      CHECK(point.multipliers.values.front().real() == Approx(std::exp(-4.0 * std::numbers::pi * point.value)).epsilon(1e-8));
-  }
-  CHECK(branches[1].points.back().state()[2] == Approx(-branches[2].points.back().state()[2]).epsilon(1e-9));
+  CHECK(branches[1].parent->label == crossings[0].label);
+  CHECK(branches[1].stop == BranchStop::reached_bound);
+  REQUIRE(branches[1].mirrored);
+  CHECK(symmetry_text(system, *branches[1].mirrored) == "(x, y, z)(t) -> (x, y, -z)(t)");
+  CHECK(check_branch(system, branches[1]) == std::vector<std::string>{});
+  // The mean of z'/z is zero, so that the mean of z^2 is p: the multiplier is exp(2 pi (p - 3 p)).
+  for (const BranchPoint& point : branches[1].points)
+    CHECK(point.multipliers.values.front().real() == Approx(std::exp(-4.0 * std::numbers::pi * point.value)).epsilon(1e-8));
+}
+
+TEST_CASE("where symmetry breaks without forcing, one of both mirror images is listed and names the other") {
+  // Lorenz's equations have the symmetry (x, y, z) -> (-x, -y, z).
+  const HybridSystem system = flow_in_space({{"sigma", "10"}, {"rho", "160"}, {"beta", "8/3"}},
+                                            "x' = sigma*(y - x)\ny' = x*(rho - z) - y\nz' = x*y - beta*z");
+  const Vector p = parameters(system);
+  REQUIRE(symmetries(system, p).size() == 1);
+  CHECK(symmetry_text(system, symmetries(system, p)[0]) == "(x, y, z)(t) -> (-x, -y, z)(t)");
+  ContinuationOptions options;
+  options.parameter = "rho";
+  options.to = 150.0;
+  options.max_multiple = 1;
+  const PeriodicOrbit orbit = attracting(system, p, vector({1.0, 1.0, 150.0}));
+  const std::vector<Branch> branches = continue_orbit(system, orbit, options);
+  const auto crossings = points_of(branches[0], PointType::BP);
+  REQUIRE(crossings.size() == 1);
+  std::vector<const Branch*> broken;
+  for (const Branch& branch : branches)
+    if (branch.parent && branch.parent->label == crossings[0].label) broken.push_back(&branch);
+  REQUIRE(broken.size() == 1);
+  REQUIRE(broken[0]->mirrored);
+  CHECK(!branches[0].mirrored);
+  // The orbit and its image attract, from starts that are images of each other.
+  const Vector below = parameters(system, {{"rho", 151.0}});
+  std::vector<PeriodicOrbit> pair;
+  for (const double side : {1.0, -1.0}) pair.push_back(attracting(system, below, vector({side, side, 150.0})));
+  CHECK(pair[0].duration == Approx(pair[1].duration).epsilon(1e-9));
+  const std::vector<Vector> image = mirror_image(system, below, *broken[0]->mirrored, pair[0].nodes);
+  int listed = 0;
+  for (const PeriodicOrbit& one : pair) listed += branch_contains(system, *broken[0], one.nodes, 151.0);
+  CHECK(listed == 1);
+  CHECK(branch_contains(system, *broken[0], pair[0].nodes, 151.0) != branch_contains(system, *broken[0], image, 151.0));
 }

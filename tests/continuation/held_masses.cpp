@@ -122,6 +122,87 @@ TEST_CASE("a branch on which friction holds one mass all the time is that of the
   }
 }
 
+TEST_CASE("a branch on which friction holds two masses together is that of one mass") {
+  // A block on a cart that is forced and hits a stop.
+  SystemWriter writer;
+  writer.system.name = "cart";
+  writer.forcing("w").parameter("w", "0.9").parameter("F", "1").parameter("g", "0.4").parameter("N", "30");
+  writer.mechanics({"x1", "x2"}, {"v1", "v2"},
+                   {{{"0.7", "0"}, {"0", "0.3"}}, {{"0.1", "0"}, {"0", "0"}}, {{"1", "0"}, {"0", "0"}}, {"F*cos(w*t)", "0"}});
+  writer.stop("stop", "g - x1", "linear", {"20", "0.5"}).friction("block", "v2 - v1", "N", "0.3 + 0.1*exp(-u)", "0.5");
+  const HybridSystem cart = equations::make_system(writer.system).system;
+  SystemWriter sum;
+  sum.system.name = "one";
+  sum.forcing("w").parameter("w", "0.9").parameter("F", "1").parameter("g", "0.4");
+  sum.mechanics({"x1"}, {"v1"}, {{{"1"}}, {{"0.1"}}, {{"1"}}, {"F*cos(w*t)"}}).stop("stop", "g - x1", "linear", {"20", "0.5"});
+  const HybridSystem one = equations::make_system(sum.system).system;
+  for (const Case& row : std::vector<Case>{{"w", 0.9, 1.0, 0.4, 1}, {"F", 1.0, 1.3, 0.4, 1}, {"w", 0.5, 0.6, 50.0, -1}}) {
+    INFO(row.parameter << " to " << (row.direction > 0 ? row.to : row.from) << ", gap " << row.gap);
+    const auto at_start = [&](const HybridSystem& system) {
+      return parameters(system, {{"g", row.gap}, {row.parameter, row.direction > 0 ? row.from : row.to}});
+    };
+    const PeriodicOrbit start = orbit_from(cart, at_start(cart), vector({0.0, 0.2, 0.0, 0.0}));
+    const double distance = start.state[1] - start.state[0];
+    const PeriodicOrbit alone = orbit_from(one, at_start(one), vector({start.state[0], start.state[2]}));
+    const Branch both = followed(cart, start, row), single = followed(one, alone, row);
+    CHECK(both.stop == single.stop);
+    CHECK(std::abs(both.stop_value - single.stop_value) < 1e-9);
+    REQUIRE(both.points.size() > 3);
+    CHECK(types_of(both) == types_of(single));
+    REQUIRE(both.special_points.size() == single.special_points.size());
+    for (std::size_t k = 0; k < both.special_points.size(); ++k)
+      CHECK(std::abs(both.special_points[k].value - single.special_points[k].value) < 1e-9);
+    for (const BranchPoint& point : both.points) {
+      CHECK(std::abs(point.state()[1] - point.state()[0] - distance) < 1e-9);
+      CHECK(std::abs(point.state()[3] - point.state()[2]) < 1e-11);
+      const Vector p = parameters(one, {{"g", row.gap}, {row.parameter, point.value}});
+      const PeriodicOrbit there = shoot(one, p, vector({point.state()[0], point.state()[2]}), 1);
+      REQUIRE(there.converged());
+      CHECK((vector({point.state()[0], point.state()[2]}) - there.state).lpNorm<Eigen::Infinity>() < 1e-9);
+      REQUIRE(point.multipliers.values.size() == 4);
+      for (std::size_t i = 0; i < 2; ++i) CHECK(std::abs(point.multipliers.values[i] - there.multipliers.values[i]) < 1e-8);
+      CHECK(point.multipliers.trivial == 1);
+      CHECK(point.multipliers.values[2] == 0.0);
+      CHECK(point.multipliers.values[3] == 1.0);
+    }
+  }
+}
+
+TEST_CASE("a branch on which friction holds a mass on a moving table is that of the other mass") {
+  // The table moves by a cos(w t); the mass on it pulls the other one by a spring.
+  SystemWriter writer;
+  writer.system.name = "table";
+  writer.forcing("w").parameter("w", "0.9").parameter("a", "0.3").parameter("k", "0.5").parameter("g", "0.3");
+  writer.mechanics({"x1", "x2"}, {"v1", "v2"},
+                   {{{"1", "0"}, {"0", "3"}}, {{"0.1", "0"}, {"0", "0"}}, {{"1+k", "-k"}, {"-k", "k"}}});
+  writer.stop("stop", "g - x1", "newton", {"0.7"}).friction("foot", "v2 + a*w*sin(w*t)", "9", "0.5");
+  const HybridSystem table = equations::make_system(writer.system).system;
+  SystemWriter moved;
+  moved.system.name = "moved";
+  moved.forcing("w").parameter("w", "0.9").parameter("a", "0.3").parameter("k", "0.5").parameter("g", "0.3").parameter("d", "0");
+  moved.mechanics({"x1"}, {"v1"}, {{{"1"}}, {{"0.1"}}, {{"1+k"}}, {"k*(d + a*cos(w*t))"}});
+  moved.stop("stop", "g - x1", "newton", {"0.7"});
+  const HybridSystem one = equations::make_system(moved.system).system;
+  for (const Case& row : std::vector<Case>{{"w", 1.0, 1.1, 0.1, 1}, {"a", 0.3, 0.33, 0.1, 1}, {"a", 0.3, 0.5, 50.0, 1}}) {
+    INFO(row.parameter << ", gap " << row.gap);
+    const PeriodicOrbit start =
+        orbit_from(table, parameters(table, {{"g", row.gap}, {row.parameter, row.from}}), vector({0.0, 0.4, 0.0, 0.0}));
+    const Branch branch = followed(table, start, row);
+    CHECK(branch.stop == BranchStop::reached_bound);
+    REQUIRE(branch.points.size() > 3);
+    for (const BranchPoint& point : branch.points) {
+      // Its place on the table is one of many.
+      const double amplitude = std::string(row.parameter) == "a" ? point.value : 0.3, place = point.state()[1] - amplitude;
+      CHECK(std::abs(place - 0.1) < 0.3);
+      const Vector p = parameters(one, {{"g", row.gap}, {"d", place}, {row.parameter, point.value}});
+      const PeriodicOrbit there = shoot(one, p, vector({point.state()[0], point.state()[2]}), 1);
+      REQUIRE(there.converged());
+      CHECK((vector({point.state()[0], point.state()[2]}) - there.state).lpNorm<Eigen::Infinity>() < 1e-9);
+      check_multipliers(point.multipliers, there.multipliers);
+    }
+  }
+}
+
 TEST_CASE("a branch on which friction holds one mass ends where the mass is released") {
   const HybridSystem two = two_masses();
   for (const double gap : {0.4, 50.0}) {

@@ -129,6 +129,41 @@ TEST_CASE("the sign of a quotient changes at the zeros of its divisor too (fixed
   REQUIRE_THAT(check_transition(quotient, p, 0.0, 9.0, x0, 1e-7, 1e-5), all_agree());
 }
 
+TEST_CASE("bounded functions of a quotient jump where its divisor passes zero (fixed)") {
+  const auto pi = std::numbers::pi;
+  const auto angle = [pi](double y, double x) { return x != 0.0 || y != 0.0 ? std::atan2(y, x) : pi; };
+  struct Case {
+    std::string force;
+    std::function<double(const Vector&)> value;
+    std::size_t modes;
+  };
+  const std::vector<Case> cases = {
+      {"0.3*clamp(1/(0.5 - x), -1, 1)", [](const Vector& x) { return 0.3 * std::clamp(1.0 / (0.5 - x[0]), -1.0, 1.0); }, 4},
+      {"0.3*clamp(x/(v - 1/4)^3, -1, 2)",
+       [](const Vector& x) { return 0.3 * std::clamp(x[0] / std::pow(x[1] - 0.25, 3), -1.0, 2.0); }, 6},
+      {"0.3*atan(1/(0.5 - x))", [](const Vector& x) { return 0.3 * std::atan(1.0 / (0.5 - x[0])); }, 2},
+      {"0.3*atan(2 + v/(0.5 - x))", [](const Vector& x) { return 0.3 * std::atan(2.0 + x[1] / (0.5 - x[0])); }, 2},
+      {"0.3*tanh((x - 0.5)^-1)", [](const Vector& x) { return 0.3 * std::tanh(1.0 / (x[0] - 0.5)); }, 2},
+      {"0.3*tanh(tan(x))", [](const Vector& x) { return 0.3 * std::tanh(std::tan(x[0])); }, 2},
+      {"0.3*atan2(v, x)", [angle](const Vector& x) { return 0.3 * angle(x[1], x[0]); }, 2},
+      {"0.3*min(1, abs(0.2/(0.5 - x)))", [](const Vector& x) { return 0.3 * std::min(1.0, std::abs(0.2 / (0.5 - x[0]))); }, 4},
+      {"0.3*sign(1 + 1/(0.5 - x))", [](const Vector& x) { return 1.0 + 1.0 / (0.5 - x[0]) > 0.0 ? 0.3 : -0.3; }, 3}};
+  for (const Case& one : cases) {
+    INFO(one.force);
+    const equations::TextSystem read = equations::make_system(forced(one.force).system);
+    CHECK(read.system.modes.size() == one.modes);
+    require_same_field(read, [&](double, const Vector& x, const Vector&) { return one.value(x); });
+    const Vector p = parameters(read.system, {{"xi", 1.7}}), x0 = vector({0.2, 1.1});
+    const Trajectory run = simulate(read.system, p, 0.0, x0, {.t_end = 9.0});
+    REQUIRE(run.termination == Termination::time);
+    REQUIRE(run.events.size() > 1);
+    REQUIRE_THAT(check_transition(read.system, p, 0.0, 9.0, x0, 1e-7, 1e-5), all_agree());
+  }
+  // A quotient that no bounded function takes keeps its mode: its pole is an error.
+  REQUIRE(equations::make_system(forced("abs(0.3/(0.5 - x))").system).system.modes.size() == 2);
+  REQUIRE(equations::make_system(forced("atan(x) + 1/(4 - x)").system).system.modes.size() == 1);
+}
+
 TEST_CASE("an impact within a split mode leads to the branch behind it") {
   SystemWriter writer = forced("0.1*sign(v)");
   writer.parameter("r", "0.7");

@@ -77,13 +77,18 @@ TEST_CASE("equal masses with equal stops may be exchanged and the exchange maps 
   }
 }
 
-TEST_CASE("no symmetries are sought for an autonomous system") {
+TEST_CASE("an autonomous system has its symmetries without a shift in time, and counted sections need none") {
   SystemWriter writer;
   writer.system.name = "free";
   writer.states({"x", "v"}).parameter("k", "1");
-  writer.mode("up", "x' = v; v' = -k*x").mode("down", "x' = v; v' = -k*x");
-  writer.event({"falls", "other", "-x", "", "up", "down"});
-  writer.event({"rises", "other", "x", "", "down", "up"});
+  const std::string equations = "x' = v; v' = -k*x";
+  writer.mode("slow", equations).mode("fast", equations);
+  writer.event({"reaches", "other", "v - 1", "", "slow", "fast"}).event({"loses", "other", "1 - v", "", "fast", "slow"});
+  for (const std::string mode : {"slow", "fast"}) writer.event({"wall " + mode, "impact", "x - 2", "v = -v", mode, mode});
+  for (const std::string mode : {"slow", "fast"}) writer.event({"other " + mode, "impact", "-2 - x", "v = -v", mode, mode});
   const HybridSystem system = equations::make_system(writer.system).system;
-  CHECK(symmetries(system, default_parameters(system.parameters)).empty());
+  CHECK(texts(system, default_parameters(system.parameters)) == std::vector<std::string>{"(x, v)(t) -> (-x, -v)(t)"});
+  writer.system.modes[1].equations.text = "x' = v; v' = -1.1*k*x";
+  const HybridSystem uneven = equations::make_system(writer.system).system;
+  CHECK(symmetries(uneven, default_parameters(uneven.parameters)).empty());
 }
