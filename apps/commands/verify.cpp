@@ -38,6 +38,14 @@ struct Options {
   OutputOptions output;
 };
 
+/// The name of the parameter. At one value any will do.
+std::string parameter_of(const Options& options, const Problem& problem) {
+  const bool one_value = !options.from && !options.to && !options.step;
+  const std::vector<ParameterInfo>& all = problem.system.parameters;
+  if (options.parameter.empty() && one_value && !problem.system.forcing_frequency && !all.empty()) return all.front().name;
+  return parameter_name(problem, options.parameter);
+}
+
 /// The values of the parameter, in the order in which the orbit is carried from one to the next; without a range only the
 /// problem's own value.
 std::vector<double> values_of(const Options& options, const Problem& problem) {
@@ -226,7 +234,7 @@ int run(const Options& given, const Console& console) {
   Options options = given;
   const OutputFolder folder(options.output, "verify", options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console, {options.parameter});
-  options.parameter = parameter_name(problem, options.parameter);
+  options.parameter = parameter_of(options, problem);
   const std::vector<double> values = values_of(options, problem);
   const bool range = values.size() > 1;
   for (const double end : {values.front(), values.back()}) problem_at(problem, options, end);  // reports a wrong value now
@@ -280,7 +288,7 @@ std::function<int(const Console&)> setup(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_orbit_options(app, options->orbit);
   begin_group(app, "Range");
-  add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
+  add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency; needed for a range only)");
   add_number(app, "--from", options->from, "first value (default: the problem's own)");
   add_number(app, "--to", options->to, "last value, above or below it (default: one value only)");
   add_number(app, "--step", options->step, "from one value to the next");

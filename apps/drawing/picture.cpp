@@ -225,12 +225,24 @@ struct Drawn {
   std::string data, settings, plot;
 };
 
+/// The label of a vertical axis of that height. Of a long one the middle is left out: it ends with the unit.
+std::string fitting(const std::string& label, int pixels) {
+  constexpr int pixels_of_a_character = 9;
+  const auto most = static_cast<std::size_t>(std::max(pixels / pixels_of_a_character, 12));
+  if (label.size() <= most) return label;
+  const auto whole_character = [&](std::size_t at) {  // not within the bytes of one
+    while (at > 0 && (static_cast<unsigned char>(label[at]) & 0xC0U) == 0x80U) --at;
+    return at;
+  };
+  return label.substr(0, whole_character(most * 2 / 3)) + "…" + label.substr(whole_character(label.size() - most / 3 + 1));
+}
+
 /// `prefix`: of the names of its data; `columns`, `rows`: pixels of an image.
 Drawn axes(const Picture& picture, const std::string& prefix, int columns, int rows) {
   Drawn out;
   std::string& s = out.settings;
   s += "set title " + quoted(title_of(picture)) + "\n";
-  s += "set xlabel " + quoted(picture.x_label) + "\nset ylabel " + quoted(picture.y_label) + "\n";
+  s += "set xlabel " + quoted(picture.x_label) + "\nset ylabel " + quoted(fitting(picture.y_label, rows)) + "\n";
   s += "set border lw 1.2\nset tics out nomirror\n";
   if (picture.grid) s += "set grid lc rgb '#dddddd' lt 1 lw 0.8\n";
   const bool image =

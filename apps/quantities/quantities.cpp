@@ -132,6 +132,8 @@ class Reading {
       if (units_.contains(name.text)) names_.emplace(name.text, quantity);
     }
     names_.insert({{"X", X}, {"V", V}});
+    physical_ = {X, V};
+    per_second_ = read("alpha");
     units_.insert({{"X", "m"}, {"V", "m/s"}});
     scales_.insert({{QuantityKind::impact_speed_max, {speed, "m/s"}},
                     {QuantityKind::impact_speed_min, {speed, "m/s"}},
@@ -177,7 +179,19 @@ class Reading {
       throw std::invalid_argument(fmt::format(
           "--y {}: {}; {}", text, sentence.starts_with(prefix) ? sentence.substr(prefix.size()) : sentence, allowed()));
     }
-    return index_of(read);
+    return index_of(in_seconds(read));
+  }
+
+  /// The expression with X', V' and rates of what contains X or V per second, not per dimensionless time.
+  equations::Expression in_seconds(equations::Expression read) {
+    equations::Replacement rates;
+    for (const equations::Expression part : equations::reachable(graph_, read)) {
+      if (graph_.node(part).operation != equations::Operation::rate) continue;
+      for (const equations::Expression inner : equations::reachable(graph_, part))
+        if (std::find(physical_.begin(), physical_.end(), inner) != physical_.end())
+          rates[part.index] = graph_.multiply(per_second_, part);
+    }
+    return graph_.substitute(read, rates);
   }
 
   std::size_t index_of(equations::Expression read) {
@@ -207,6 +221,8 @@ class Reading {
   std::map<std::string, equations::Expression, std::less<>> names_;
   std::map<std::string, std::size_t, std::less<>> tables_;
   std::map<std::string, std::string, std::less<>> units_;
+  std::vector<equations::Expression> physical_;  ///< X and V
+  equations::Expression per_second_;             ///< rate per second over rate per dimensionless time
   struct Scale {
     equations::Expression factor;
     std::string unit;

@@ -422,12 +422,15 @@ TEST_CASE("quantities of a problem in physical units have physical units") {
       "rig.toml",
       "[model]\noscillator = \"linear\"\ncontact = \"hertz\"\n[physical]\nexcitation = \"force\"\nm = 4\nk = 100\nc = 2\n"
       "F0 = 4\nomega = 4.75\nrho = 0.08\nk_h = 50000\nb_h = 0.5\n");
-  const Json json = result({"continue", file,     "--to", "0.93",  "--y", "max(X)", "--y", "max(x)", "--y", "max(V)",
-                            "--y",      "max(v)", "--y",  "omega", "--y", "period", "--y", "rho",    "--y", "m*c*F0"});
+  const Json json =
+      result({"continue", file,    "--to", "0.93",   "--y", "max(X)", "--y", "max(x)", "--y", "max(V)",  "--y", "max(v)",
+              "--y",      "omega", "--y",  "period", "--y", "rho",    "--y", "m*c*F0", "--y", "max(X')", "--y", "max(x')"});
   for (const Json& point : json["branches"][0]["points"]) {
     const Json& y = point["y"];
     CHECK(y["max(X)"].get<double>() == Approx(0.04 * y["max(x)"].get<double>()).epsilon(1e-13));
     CHECK(y["max(V)"].get<double>() == Approx(0.2 * y["max(v)"].get<double>()).epsilon(1e-13));
+    CHECK(y["max(X')"].get<double>() == Approx(y["max(V)"].get<double>()).epsilon(1e-13));
+    CHECK(y["max(x')"].get<double>() == Approx(y["max(v)"].get<double>()).epsilon(1e-13));
     const double omega = y["omega"].get<double>();
     CHECK(omega == Approx(5.0 * point["value"].get<double>()).epsilon(1e-14));
     CHECK(y["period"].get<double>() == Approx(2.0 * pi / omega).epsilon(1e-14));
