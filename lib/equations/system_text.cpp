@@ -754,6 +754,10 @@ class Builder {
     if (piece.opening_rate) event.opening_rate = scalar_function(graph_, *piece.opening_rate);
     if (piece.restitution && !event.log_volume_change) {
       const ScalarFunction restitution = scalar_function(graph_, *piece.restitution);
+      if (const double here = restitution(0.0, {}, default_parameters(out_.system.parameters)); !(here >= 0.0 && here <= 1.0))
+        throw EquationError(text_.source, piece.when,
+                            fmt::format("the restitution of the stop {} is {} at the parameters of the file; allowed is 0 to 1",
+                                        piece.name, here));
       event.log_volume_change = [restitution](const Vector& p) { return 2.0 * std::log(std::abs(restitution(0.0, {}, p))); };
     }
     if (const auto& rest = piece.accumulation)

@@ -541,6 +541,12 @@ law = { newton = 0.5 }
     return "[parameters]\ne = -0.5\n" + text.replace(text.find("0.5 }"), 3, "\"e\"");
   }();
   CHECK_THAT(call({"orbit", folder.write("named.toml", named)}).err, Contains("e") && Contains("[0, 1]"));
+  const std::string computed = [&] {
+    std::string text = mechanics;
+    return "[parameters]\ne = 0.5\n" + text.replace(text.find("0.5 }"), 3, "\"3*e\"");
+  }();
+  CHECK_THAT(call({"orbit", folder.write("computed.toml", computed)}).err,
+             Contains("the restitution of the stop wall is 1.5 at the parameters of the file; allowed is 0 to 1"));
   const Outcome outcome = call({"orbit", folder.write("friction.toml", "[[friction]]\nname = \"pad\"\n"), "--quiet"});
   CHECK(outcome.code == 2);
   CHECK_THAT(outcome.err, Contains("there is no [system] with the names of the states"));
