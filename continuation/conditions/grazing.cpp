@@ -116,7 +116,7 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   const Vector u_dp = solve(-jacobian.col(size));
   located.family_dp.resize(size + 1);
   located.family_dp << u_dp, 1.0;
-  located.top_dp = at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi)) + at.h_dp;
+  located.top_dp = at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi).col(0)) + at.h_dp;
   // The reset changes a state that arrives with unit normal speed by (D_x g - I) w, where w is the direction of that speed. A
   // soft contact is replaced by its limit of large stiffness: a hard contact that reverses the normal speed.
   Matrix reset_dx = Matrix::Identity(n, n);
@@ -350,7 +350,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     const Touch& touch = equations.stretch(j).touch;
     const Vector p = equations.parameters();
     at = guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, p, problem.parameter());
-    const Vector x_dp = equations.fixed_time_dp(j, touch.Phi, touch.Psi);
+    const Vector x_dp = equations.fixed_time_dp(j, touch.Phi, touch.Psi).col(0);
     Matrix A = Matrix::Zero(unknowns + 1, unknowns + 1);
     A.topLeftCorner(unknowns - 1, unknowns) = jacobian;
     A.row(unknowns - 1).segment(j * n, n) = at.h_dx.transpose() * touch.Phi;

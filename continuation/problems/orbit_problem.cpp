@@ -29,7 +29,7 @@ bool holds(const HybridSystem& system, const std::vector<Constraint>& constraint
 
 OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
                            double scale, const FlowOptions& options, double section_phase)
-    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, nodes, parameter, options, section_phase) {}
+    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, nodes, {parameter}, options, section_phase) {}
 
 OrbitProblem OrbitProblem::with_section(double section_phase) const {
   OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase);

@@ -47,7 +47,7 @@ std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
 
 SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                                    std::size_t parameter, double scale, const FlowOptions& options)
-    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, std::move(sequence), parameter, options),
+    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, std::move(sequence), {parameter}, options),
       options_(options) {}
 
 Vector SignatureProblem::pack(const EventNodes& nodes, double value) const {

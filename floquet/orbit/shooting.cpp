@@ -242,7 +242,7 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u) {
 PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vector<Vector>& guess, int period,
                     const ShootingOptions& options, double duration_guess) {
   if (guess.empty()) throw std::invalid_argument("shooting needs a state to start from");
-  ShootingEquations equations(system, p, period, options.nodes, std::nullopt, options.flow);
+  ShootingEquations equations(system, p, period, options.nodes, {}, options.flow);
   if (equations.autonomous() && period != 1)
     throw std::invalid_argument("an autonomous orbit has period 1: its duration is an unknown");
   if (equations.autonomous() && !(duration_guess > 0.0))
@@ -289,7 +289,7 @@ FiniteDifferenceCheck finite_difference_check(const HybridSystem& system, const 
                                               const FlowOptions& options) {
   FiniteDifferenceCheck check;
   if (orbit.nodes.empty()) return check;
-  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt, options,
+  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), {}, options,
                               orbit.section_phase);
   const int n = equations.states(), count = equations.nodes();
   Vector u(equations.unknowns());

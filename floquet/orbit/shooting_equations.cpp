@@ -8,18 +8,10 @@
 
 namespace graze {
 
-namespace {
-
-std::vector<std::size_t> as_list(std::optional<std::size_t> parameter) {
-  return parameter ? std::vector<std::size_t>{*parameter} : std::vector<std::size_t>{};
-}
-
-}  // namespace
-
 ShootingEquations::ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes,
-                                     std::optional<std::size_t> active, const FlowOptions& options, double section_phase)
-    : propagator_(system, p, as_list(active), options), n_(static_cast<int>(system.states)), nodes_(nodes > 0 ? nodes : period),
-      period_(period), section_phase_(section_phase), active_(active) {
+                                     const std::vector<std::size_t>& free, const FlowOptions& options, double section_phase)
+    : propagator_(system, p, free, options), n_(static_cast<int>(system.states)), nodes_(nodes > 0 ? nodes : period),
+      period_(period), section_phase_(section_phase), free_(free) {
   if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
   if (nodes < 0 || (nodes_ % period != 0 && period % nodes_ != 0))
     throw std::invalid_argument(
@@ -72,28 +64,35 @@ void ShootingEquations::residual(const Vector& u, Vector& out) const {
   if (autonomous()) out[n_ * nodes_] = phase_normal_.dot(u.head(n_) - phase_reference_);
 }
 
-Vector ShootingEquations::fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const {
-  if (autonomous()) return Psi.col(0);
+Matrix ShootingEquations::fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const {
+  Matrix out = Psi;
+  if (autonomous()) return out;
   // The stretch starts at a fixed fraction of T, which depends on the forcing frequency.
-  const double period_dp = forcing_period_dp(system(), parameters())[static_cast<Eigen::Index>(*active_)];
-  return Psi.col(0) - Phi * start_field(j) * (node_fraction(j) * period_dp);
+  const Vector period_dp = forcing_period_dp(system(), parameters());
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    out.col(static_cast<Eigen::Index>(k)) -=
+        Phi * start_field(j) * (node_fraction(j) * period_dp[static_cast<Eigen::Index>(free_[k])]);
+  return out;
 }
 
-Vector ShootingEquations::stretch_dp(int j) const {
-  Vector dp = fixed_time_dp(j, stretch(j).Phi, stretch(j).Psi);
-  if (autonomous()) return dp;
-  const double period_dp = forcing_period_dp(system(), parameters())[static_cast<Eigen::Index>(*active_)];
-  return dp + end_field(j) * ((node_fraction(j) + static_cast<double>(period_) / nodes_) * period_dp);
+Matrix ShootingEquations::stretch_dp(int j) const {
+  Matrix out = fixed_time_dp(j, stretch(j).Phi, stretch(j).Psi);
+  if (autonomous()) return out;
+  const Vector period_dp = forcing_period_dp(system(), parameters());
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    out.col(static_cast<Eigen::Index>(k)) += end_field(j) * ((node_fraction(j) + static_cast<double>(period_) / nodes_) *
+                                                             period_dp[static_cast<Eigen::Index>(free_[k])]);
+  return out;
 }
 
 void ShootingEquations::jacobian(Matrix& out) const {
-  const int columns = unknowns() + (active_ ? 1 : 0);
-  out.setZero(unknowns(), columns);
+  const auto free = static_cast<Eigen::Index>(free_.size());
+  out.setZero(unknowns(), unknowns() + free);
   for (int j = 0; j < nodes_; ++j) {
     out.block(j * n_, j * n_, n_, n_) += stretch(j).Phi;
     out.block(j * n_, (j + 1) % nodes_ * n_, n_, n_) -= Matrix::Identity(n_, n_);
     if (autonomous()) out.block(j * n_, n_ * nodes_, n_, 1) = end_fields_[static_cast<std::size_t>(j)] / nodes_;
-    if (active_) out.block(j * n_, columns - 1, n_, 1) = stretch_dp(j);
+    if (free > 0) out.block(j * n_, unknowns(), n_, free) = stretch_dp(j);
   }
   if (autonomous()) out.row(n_ * nodes_).head(n_) = phase_normal_.transpose();
 }

@@ -3,8 +3,8 @@
 // x_0 ... x_{N-1}:
 //     forced:      phi(x_j; t_j, t_{j+1}) - x_{j+1} = 0, j = 0 ... N-1, x_N = x_0, t_j = (s + j n / N) T   (N n equations),
 //     autonomous:  the same with the unknown duration D, t_j = j D / N, and the phase condition f(x_ref) . (x_0 - x_ref) = 0.
-// Unknowns u = (x_0, ..., x_{N-1} [, D]). N = n periods is multiple shooting at forcing phase 0; N = 1 is single shooting. If a
-// parameter is active, the derivative in it is the last column of the Jacobian; it includes that of the period, f dT/dp.
+// Unknowns u = (x_0, ..., x_{N-1} [, D]). N = n periods is multiple shooting at forcing phase 0; N = 1 is single shooting. The
+// derivatives in free parameters are the last columns of the Jacobian; they include those of the period, f dT/dp.
 #pragma once
 
 #include <graze/lib/motion/transition.hpp>
@@ -16,12 +16,11 @@ namespace graze {
 class ShootingEquations {
  public:
   /// `period`: n forcing periods. For an autonomous orbit n turns that share its duration, such as two after a period doubling.
-  /// `nodes`: N, a multiple or divisor of n (0: N = n). `active`: the continuation parameter, or none. `section_phase`: s in
+  /// `nodes`: N, a multiple or divisor of n (0: N = n). `free`: indices of the free parameters. `section_phase`: s in
   /// [0, 1), forcing phase of the first node over 2 pi. No node may lie at a hard impact, across which the state at a fixed
   /// phase jumps.
   ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes = 0,
-                    std::optional<std::size_t> active = std::nullopt, const FlowOptions& options = {},
-                    double section_phase = 0.0);
+                    const std::vector<std::size_t>& free = {}, const FlowOptions& options = {}, double section_phase = 0.0);
 
   int states() const { return n_; }
   int nodes() const { return nodes_; }
@@ -31,7 +30,7 @@ class ShootingEquations {
   bool autonomous() const { return !is_forced(propagator_.system()); }
   const HybridSystem& system() const { return propagator_.system(); }
   const Vector& parameters() const { return propagator_.parameters(); }
-  std::optional<std::size_t> active() const { return active_; }
+  const std::vector<std::size_t>& free() const { return free_; }
   const FlowOptions& options() const { return propagator_.options(); }
   Propagator& propagator() { return propagator_; }
 
@@ -67,15 +66,15 @@ class ShootingEquations {
   bool evaluate(const Vector& u, const TransitionOptions& options);
   Termination failure() const { return failure_; }
 
-  /// After evaluate: residual (unknowns()), Jacobian (unknowns() x unknowns() [+ 1]), map of stretch j, and its derivative in
-  /// the active parameter, including that of its start and end times.
+  /// After evaluate: residual (unknowns()), Jacobian (unknowns() x unknowns() + free parameters), map of stretch j, and its
+  /// derivatives in the free parameters (n x their number), including those of its start and end times.
   void residual(const Vector& u, Vector& out) const;
   void jacobian(Matrix& out) const;
   const Transition& stretch(int j) const { return stretches_[static_cast<std::size_t>(j)]; }
-  Vector stretch_dp(int j) const;
-  /// Derivative in the active parameter of a state on stretch j at a fixed time: Psi, corrected for the moving start of the
+  Matrix stretch_dp(int j) const;
+  /// Derivatives in the free parameters of a state on stretch j at a fixed time: Psi, corrected for the moving start of the
   /// stretch.
-  Vector fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const;
+  Matrix fixed_time_dp(int j, const Matrix& Phi, const Matrix& Psi) const;
   /// f at the start of stretch j, and at its end.
   const Vector& start_field(int j) const { return start_fields_[static_cast<std::size_t>(j)]; }
   const Vector& end_field(int j) const { return end_fields_[static_cast<std::size_t>(j)]; }
@@ -88,7 +87,7 @@ class ShootingEquations {
   Propagator propagator_;
   int n_ = 0, nodes_ = 0, period_ = 0;
   double section_phase_ = 0.0;
-  std::optional<std::size_t> active_;
+  std::vector<std::size_t> free_;
   Vector phase_reference_, phase_normal_;
   std::vector<Transition> stretches_;
   std::vector<Vector> start_fields_, end_fields_;

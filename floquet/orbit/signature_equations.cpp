@@ -34,11 +34,12 @@ std::vector<std::vector<const Constraint*>> held_all_along(const HybridSystem& s
 }  // namespace
 
 SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
-                                       std::size_t active, const FlowOptions& options)
-    : propagator_(system, p, {active}, options), n_(static_cast<int>(system.states)), period_(period),
-      sequence_(std::move(events)), active_(active) {
+                                       const std::vector<std::size_t>& free, const FlowOptions& options)
+    : propagator_(system, p, free, options), n_(static_cast<int>(system.states)), period_(period), sequence_(std::move(events)),
+      free_(free) {
   if (!is_forced(system))
     throw std::invalid_argument("a signature with fixed period needs a forced system; this one is autonomous");
+  if (free_.empty()) throw std::invalid_argument("no free parameter was given; give at least one");
   if (sequence_.empty()) throw std::invalid_argument("a signature without events has no nodes; use ShootingEquations");
   for (int k = 0; k < this->events(); ++k) {
     const Event& next = event((k + 1) % this->events());
@@ -70,7 +71,8 @@ bool SignatureEquations::fixes_states(const HybridState& start, int k) const {
     if (one->dp) one->dp(start.t, start.x, p, dp);
     Eigen::Index place = 0;
     gradient.cwiseAbs().maxCoeff(&place);
-    return (gradient.array() != 0.0).count() == 1 && field[place] == 0.0 && dp[static_cast<Eigen::Index>(active_)] == 0.0;
+    return (gradient.array() != 0.0).count() == 1 && field[place] == 0.0 &&
+           std::all_of(free_.begin(), free_.end(), [&](std::size_t k) { return dp[static_cast<Eigen::Index>(k)] == 0.0; });
   });
 }
 
@@ -85,7 +87,6 @@ bool SignatureEquations::holds_states(const Vector& u) {
 
 bool SignatureEquations::evaluate(const Vector& u, int k, bool derivatives, Block& block) {
   const Vector& p = parameters();
-  const auto active = static_cast<Eigen::Index>(active_);
   const Event& here = event(k);
   const double t = time(u, k), end = end_time(u, k);
   if (!(end > t)) return false;  // events out of order
@@ -111,20 +112,26 @@ bool SignatureEquations::evaluate(const Vector& u, int k, bool derivatives, Bloc
   block.own << Phi * (reset_dt - start_field), Phi * reset_dx;
   block.next.resize(n_, n_ + 1);
   block.next << end_field, -Matrix::Identity(n_, n_);
-  block.mismatch_dp = flight.Psi.col(0) + Phi * reset_dp.col(active);
-  if (k + 1 == events()) block.mismatch_dp += end_field * (period_ * forcing_period_dp(system(), p)[active]);
+  const auto free = static_cast<Eigen::Index>(free_.size());
+  const Vector period_dp = forcing_period_dp(system(), p);
+  block.mismatch_dp.resize(n_, free);
+  for (Eigen::Index j = 0; j < free; ++j) {
+    const auto parameter = static_cast<Eigen::Index>(free_[static_cast<std::size_t>(j)]);
+    block.mismatch_dp.col(j) = flight.Psi.col(j) + Phi * reset_dp.col(parameter);
+    if (k + 1 == events()) block.mismatch_dp.col(j) += end_field * (period_ * period_dp[parameter]);
+  }
   here.guard.dx(t, x, p, gradient);
   if (here.guard.dp) here.guard.dp(t, x, p, guard_dp);
   block.own_gap.resize(n_ + 1);
   block.own_gap << (here.guard.dt ? here.guard.dt(t, x, p) : 0.0), gradient;
-  block.gap_dp = guard_dp[active];
+  block.gap_dp = guard_dp(free_);
   return true;
 }
 
 bool SignatureEquations::evaluate(const Vector& u, Vector& residual, Matrix* jacobian) {
   const int size = n_ + 1;
   residual.resize(unknowns());
-  if (jacobian) jacobian->setZero(unknowns(), unknowns() + 1);
+  if (jacobian) jacobian->setZero(unknowns(), unknowns() + static_cast<Eigen::Index>(free_.size()));
   Block block;
   for (int k = 0; k < events(); ++k) {
     if (!evaluate(u, k, jacobian != nullptr, block)) return false;
@@ -134,10 +141,10 @@ bool SignatureEquations::evaluate(const Vector& u, Vector& residual, Matrix* jac
     auto rows = jacobian->middleRows(k * size, n_);
     rows.middleCols(k * size, size) += block.own;
     rows.middleCols((k + 1) % events() * size, size) += block.next;
-    rows.col(unknowns()) = block.mismatch_dp;
+    rows.rightCols(block.mismatch_dp.cols()) = block.mismatch_dp;
     auto row = jacobian->row(k * size + n_);
     row.segment(k * size, size) = block.own_gap.transpose();
-    row[unknowns()] = block.gap_dp;
+    row.tail(block.gap_dp.size()) = block.gap_dp.transpose();
   }
   return residual.allFinite() && (!jacobian || jacobian->allFinite());
 }
@@ -150,12 +157,14 @@ double SignatureEquations::speed(const Vector& u, int k) {
 }
 
 Vector SignatureEquations::speed_gradient(const Vector& u, int k) {
-  const GuardAndRate at =
-      guard_and_rate(event(k).guard, system().modes[event(k).from], time(u, k), state(u, k), parameters(), active_);
-  Vector out = Vector::Zero(unknowns() + 1);
-  out[k * (n_ + 1)] = at.rate_dt;
-  out.segment(k * (n_ + 1) + 1, n_) = at.rate_dx;
-  out[unknowns()] = at.rate_dp;
+  Vector out = Vector::Zero(unknowns() + static_cast<Eigen::Index>(free_.size()));
+  for (std::size_t j = 0; j < free_.size(); ++j) {
+    const GuardAndRate at =
+        guard_and_rate(event(k).guard, system().modes[event(k).from], time(u, k), state(u, k), parameters(), free_[j]);
+    out[k * (n_ + 1)] = at.rate_dt;
+    out.segment(k * (n_ + 1) + 1, n_) = at.rate_dx;
+    out[unknowns() + static_cast<Eigen::Index>(j)] = at.rate_dp;
+  }
   return out;
 }
 

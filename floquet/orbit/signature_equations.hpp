@@ -18,10 +18,10 @@ namespace graze {
 
 class SignatureEquations {
  public:
-  /// `events`: indices in HybridSystem::events, in order; each starts in the mode to which the one before it leads. `active`:
-  /// the continuation parameter. @throws std::invalid_argument for events that do not fit together.
-  SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events, std::size_t active,
-                     const FlowOptions& options = {});
+  /// `events`: indices in HybridSystem::events, in order; each starts in the mode to which the one before it leads. `free`:
+  /// indices of the free parameters, at least one. @throws std::invalid_argument for events that do not fit together.
+  SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
+                     const std::vector<std::size_t>& free, const FlowOptions& options = {});
 
   int states() const { return n_; }
   int period() const { return period_; }
@@ -45,21 +45,22 @@ class SignatureEquations {
     double gap = 0.0;    ///< h_k(t_k, x_k)
     Matrix own, next;    ///< d(mismatch) by (t_k, x_k) and by (t_{k+1}, x_{k+1}), n x (n + 1)
     Vector own_gap;      ///< d(gap) by (t_k, x_k)
-    Vector mismatch_dp;  ///< by the parameter
-    double gap_dp = 0.0;
+    Matrix mismatch_dp;  ///< by the free parameters
+    Vector gap_dp;
   };
   /// False if the flow cannot be carried out, or if the next event would precede this one.
   bool evaluate(const Vector& u, int k, bool derivatives, Block& block);
 
-  /// Residual (unknowns()) and, unless null, Jacobian (unknowns() x unknowns() + 1, the parameter last). False if a flow cannot
-  /// be carried out.
+  /// Residual (unknowns()) and, unless null, Jacobian (unknowns() x unknowns() + free parameters, these last). False if a flow
+  /// cannot be carried out.
   bool evaluate(const Vector& u, Vector& residual, Matrix* jacobian);
 
-  /// Whether constraints hold on all flights, and fix states at values that neither the time nor the parameter moves. The
+  /// Whether constraints hold on all flights, and fix states at values that neither the time nor a free parameter moves. The
   /// equations then know that a disturbance off them is lost; the states themselves stay where they are.
   bool holds_states(const Vector& u);
 
-  /// dh_k/dt just before event k: its normal speed, negative beyond grazing; and its gradient in u.
+  /// dh_k/dt just before event k: its normal speed, negative beyond grazing; and its gradient in u and the free
+  /// parameters.
   double speed(const Vector& u, int k);
   Vector speed_gradient(const Vector& u, int k);
 
@@ -91,7 +92,7 @@ class SignatureEquations {
   Propagator propagator_;
   int n_ = 0, period_ = 0;
   std::vector<std::size_t> sequence_;
-  std::size_t active_ = 0;
+  std::vector<std::size_t> free_;
   std::vector<std::vector<const Constraint*>> held_;  ///< on the flight after each event: the constraints that hold on all
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 /// The orbit's own nodes, carried by the general integrator in every mode.
 PeriodicOrbit carried_by_general(const HybridSystem& system, const PeriodicOrbit& orbit) {
-  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), std::nullopt,
+  ShootingEquations equations(system, orbit.parameters, orbit.period, static_cast<int>(orbit.nodes.size()), {},
                               {.kind = FlowKind::general}, orbit.section_phase);
   Vector u(equations.unknowns());
   Eigen::Index filled = 0;

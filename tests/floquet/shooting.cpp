@@ -262,7 +262,7 @@ TEST_CASE("the Jacobian of the shooting equations agrees with central difference
       for (std::size_t active = 0; active < point.system.parameters.size(); ++active) {
         if (point.system.parameters[active].name == "k_r" || point.system.parameters[active].name == "b_H")
           continue;  // at an end of its range
-        ShootingEquations equations(point.system, point.p, point.period, nodes, active);
+        ShootingEquations equations(point.system, point.p, point.period, nodes, {active});
         const auto residual_at = [&](const Vector& z) {
           Vector q = point.p, r;
           q[static_cast<Eigen::Index>(active)] = z[z.size() - 1];

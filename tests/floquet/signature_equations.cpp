@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbits in the coordinates of their signature: the same orbits as by shooting, and smooth where shooting is not.
 #include <graze/floquet/orbit/shooting.hpp>
+#include <graze/floquet/orbit/shooting_equations.hpp>
 #include <graze/floquet/orbit/signature_equations.hpp>
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/system/jacobian_check.hpp>
@@ -75,7 +76,7 @@ TEST_CASE("signature equations: the reference orbits with hard impacts are roots
       const ParameterInfo& info = reference.system.parameters[parameter];
       const double value = reference.parameters[static_cast<Eigen::Index>(parameter)];
       if (value + 1e-3 > info.upper || value - 1e-3 < info.lower) continue;  // no room for differences
-      SignatureEquations equations(reference.system, reference.parameters, orbit.period, orbit.signature.events, parameter);
+      SignatureEquations equations(reference.system, reference.parameters, orbit.period, orbit.signature.events, {parameter});
       const Vector u = unknowns_of(orbit);
       Vector residual;
       REQUIRE(equations.evaluate(u, residual, nullptr));
@@ -98,13 +99,46 @@ TEST_CASE("signature equations: the reference orbits with hard impacts are roots
   CHECK(seen >= 8);
 }
 
+TEST_CASE("orbit equations with several free parameters have the columns of each") {
+  const ReferenceOrbit& reference = reference_orbit("newton-elastic-4/4-0.744");
+  const PeriodicOrbit orbit = shoot(reference.system, reference.parameters, reference.state, reference.period);
+  const std::vector<std::size_t> free{oscillator_parameter::r, oscillator_parameter::eta, oscillator_parameter::law};
+  const auto by_events = [&](const std::vector<std::size_t>& list) {
+    SignatureEquations equations(reference.system, reference.parameters, orbit.period, orbit.signature.events, list);
+    Vector residual;
+    Matrix jacobian;
+    REQUIRE(equations.evaluate(unknowns_of(orbit), residual, &jacobian));
+    return jacobian;
+  };
+  const auto in_states = [&](const std::vector<std::size_t>& list) {
+    ShootingEquations equations(reference.system, reference.parameters, orbit.period, 0, list);
+    Vector u(equations.unknowns());
+    for (int j = 0; j < equations.nodes(); ++j) u.segment(2 * j, 2) = orbit.states[static_cast<std::size_t>(j)];
+    REQUIRE(equations.evaluate(u, {.sensitivity = Sensitivity::state_and_parameters}));
+    Matrix jacobian;
+    equations.jacobian(jacobian);
+    return jacobian;
+  };
+  const auto compare = [&](const auto& jacobian_for) {
+    const Matrix all = jacobian_for(free);
+    REQUIRE(all.cols() == all.rows() + 3);
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      const Matrix one = jacobian_for(std::vector<std::size_t>{free[k]});
+      CHECK((all.leftCols(all.rows()) - one.leftCols(all.rows())).lpNorm<Eigen::Infinity>() == 0.0);
+      CHECK((all.col(all.rows() + static_cast<Eigen::Index>(k)) - one.col(all.rows())).lpNorm<Eigen::Infinity>() < 1e-12);
+    }
+  };
+  compare(by_events);
+  compare(in_states);
+}
+
 TEST_CASE("signature equations: smooth through zero speed") {
   AtGrazing at;
   const std::size_t impact = 0;
   REQUIRE(at.system.events[impact].kind == EventKind::impact);
   for (const std::size_t parameter :
        {std::size_t(oscillator_parameter::eta), std::size_t(oscillator_parameter::r), std::size_t(oscillator_parameter::law)}) {
-    SignatureEquations equations(at.system, at.p, 1, {impact}, parameter);
+    SignatureEquations equations(at.system, at.p, 1, {impact}, {parameter});
     Vector residual;
     REQUIRE(equations.evaluate(at.u, residual, nullptr));
     CHECK(residual.lpNorm<Eigen::Infinity>() < 1e-13);
@@ -113,7 +147,7 @@ TEST_CASE("signature equations: smooth through zero speed") {
     INFO(jacobian.message);
     CHECK(jacobian.agrees(1e-9));
   }
-  SignatureEquations equations(at.system, at.p, 1, {impact}, oscillator_parameter::eta);
+  SignatureEquations equations(at.system, at.p, 1, {impact}, {oscillator_parameter::eta});
   const auto lost = equations.violation(at.u);
   REQUIRE(lost);
   CHECK(lost->lost);
@@ -128,7 +162,7 @@ TEST_CASE("signature equations: a flight through the barrier is reported") {
   const PeriodicOrbit orbit = shoot(reference.system, reference.parameters, reference.state, reference.period);
   REQUIRE(orbit.events.size() == 4);
   SignatureEquations equations(reference.system, reference.parameters, orbit.period,
-                               {orbit.signature.events[0], orbit.signature.events[1]}, oscillator_parameter::eta);
+                               {orbit.signature.events[0], orbit.signature.events[1]}, {oscillator_parameter::eta});
   const auto gained = equations.violation(unknowns_of(orbit).head(6));
   REQUIRE(gained);
   CHECK_FALSE(gained->lost);
@@ -138,8 +172,9 @@ TEST_CASE("signature equations: a flight through the barrier is reported") {
 TEST_CASE("signature equations: misuse is refused in one sentence") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = default_parameters(system.parameters);
-  CHECK_THROWS_WITH(SignatureEquations(system, p, 1, {}, 0), Catch::Contains("without events"));
+  CHECK_THROWS_WITH(SignatureEquations(system, p, 1, {}, {0}), Catch::Contains("without events"));
+  CHECK_THROWS_WITH(SignatureEquations(system, p, 1, {0}, {}), Catch::Contains("at least one"));
   const HybridSystem soft = make_oscillator("linear", "hertz");
-  CHECK_THROWS_WITH(SignatureEquations(soft, default_parameters(soft.parameters), 1, {0, 0}, 0),
+  CHECK_THROWS_WITH(SignatureEquations(soft, default_parameters(soft.parameters), 1, {0, 0}, {0}),
                     Catch::Contains("does not lead to the mode"));
 }
