@@ -49,8 +49,7 @@ class Search {
     options_.shooting.nodes = 0;
     const FlowOptions flow = scouting(options.shooting.flow, box.max_steps * static_cast<std::size_t>(period));
     for (const double phase : section_phases)
-      sections_.push_back(
-          {phase, {system, p, period, 1, std::nullopt, flow, phase}, {system, p, period, period, std::nullopt, flow, phase}, {}});
+      sections_.push_back({phase, {system, p, period, 1, {}, flow, phase}, {system, p, period, period, {}, flow, phase}, {}});
   }
 
   bool finished() const {

@@ -72,7 +72,7 @@ bool SignatureEquations::fixes_states(const HybridState& start, int k) const {
     Eigen::Index place = 0;
     gradient.cwiseAbs().maxCoeff(&place);
     return (gradient.array() != 0.0).count() == 1 && field[place] == 0.0 &&
-           std::all_of(free_.begin(), free_.end(), [&](std::size_t k) { return dp[static_cast<Eigen::Index>(k)] == 0.0; });
+           std::all_of(free_.begin(), free_.end(), [&](std::size_t free) { return dp[static_cast<Eigen::Index>(free)] == 0.0; });
   });
 }
 
