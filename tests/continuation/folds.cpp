@@ -81,7 +81,7 @@ TEST_CASE("folds in xi of orbits with one impact in n periods agree with the clo
           REQUIRE(folds.size() == 1);
           CHECK(folds[0].status == PointStatus::converged);
           CHECK(std::abs(folds[0].value - family.xi_fold()) < 1e-12 * (1.0 + family.xi_fold()));
-          CHECK(std::abs(folds[0].value - family.xi_fold()) <= 20.0 * folds[0].precision);
+          CHECK(std::abs(folds[0].value - family.xi_fold()) <= 2.0 * folds[0].precision);
           CHECK(points_of(branches[0], PointType::BP).empty());
           CHECK(check_branch(newton_oscillator(), branches[0]) == std::vector<std::string>{});
           ++traced;
