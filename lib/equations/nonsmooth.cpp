@@ -24,14 +24,14 @@ constexpr std::size_t longest_argument = 40;
 
 bool is_jump(Operation operation) { return operation == Operation::sign || operation == Operation::step; }
 
-/// Smallest absolute value of a divisor inside of a bounded function, whose values are its limits there.
+/// Smallest absolute value of a divisor inside of tanh, which is its limit there.
 constexpr double least_divisor = 1e-150;
 
 /// An argument whose sign decides the branch of some functions.
 struct Switch {
   Expression argument;
   bool jumps = false;
-  bool is_divisor = false;  ///< of a quotient in a bounded function
+  bool breaks = false;  ///< the divisor of a quotient in a bounded function, or the cut of atan2: other arguments jump there
 };
 /// A quotient in atan or tanh; its divisor is `side` times the argument of a switch.
 struct InnerQuotient {
@@ -56,13 +56,6 @@ struct Splitter {
   const std::vector<ParameterInfo>& parameters;
   std::map<Expression, std::size_t> numbers;  ///< of the switches, by the normal forms of their arguments
 
-  /// max(sign e, least) with the sign: e itself where it has the sign, continued by its limit beyond.
-  Expression one_sided(Expression e, int sign, double least) const {
-    const Expression own = sign > 0 ? e : graph.negate(e);
-    const Expression out = graph.function(Operation::max, own, graph.constant(least));
-    return sign > 0 ? out : graph.negate(out);
-  }
-
   Expression resolved(Expression e, const Signs& signs, std::size_t known) const {
     Replacement replacement;
     for (const Bend& bend : bends) {
@@ -71,23 +64,33 @@ struct Splitter {
       const bool positive = signs[bend.number] * bend.side > 0;
       Expression branch;
       switch (n.operation) {
-      case Operation::atan:
+      case Operation::atan: {  // of p/q with q > 0, continued beyond q = 0
+        std::vector<SignedDivisor> divisors;
+        for (const InnerQuotient& one : bend.quotients)
+          divisors.push_back({graph.substitute(one.quotient.divisor, replacement), signs[one.number] * one.side});
+        const RegularFraction operand = without_quotients(graph, graph.substitute(n.a, replacement), divisors, parameters);
+        replacement[bend.node.index] = graph.function(Operation::atan2, operand.numerator, operand.denominator);
+        continue;
+      }
       case Operation::tanh: {
         Replacement inside = replacement;
         for (const InnerQuotient& one : bend.quotients) {
-          const Expression divisor =
-              one_sided(graph.substitute(one.quotient.divisor, inside), signs[one.number] * one.side, least_divisor);
-          inside[one.node.index] =
-              graph.divide(graph.substitute(one.quotient.numerator, inside), graph.integer_power(divisor, one.quotient.power));
+          const int sign = signs[one.number] * one.side;
+          const Expression divisor = graph.substitute(one.quotient.divisor, inside);
+          const Expression size =
+              graph.function(Operation::max, sign > 0 ? divisor : graph.negate(divisor), graph.constant(least_divisor));
+          inside[one.node.index] = graph.divide(graph.substitute(one.quotient.numerator, inside),
+                                                graph.integer_power(sign > 0 ? size : graph.negate(size), one.quotient.power));
         }
         replacement[bend.node.index] = graph.substitute(bend.node, inside);
         continue;
       }
-      case Operation::atan2:
-        // Odd in its first operand: with -0 for it, the jump could be proved away.
-        branch = graph.function(Operation::atan2, one_sided(positive ? n.a : graph.negate(n.a), 1, 0.0), n.b);
+      case Operation::atan2: {  // for y > 0 it is pi/2 - atan2(x, y), which continues smoothly beyond y = 0; it is odd in y
+        const Expression size = positive ? n.a : graph.negate(n.a);
+        branch = graph.subtract(graph.divide(graph.pi(), graph.constant(2.0)), graph.function(Operation::atan2, n.b, size));
         if (!positive) branch = graph.negate(branch);
         break;
+      }
       case Operation::abs:
         branch = positive ? n.a : graph.negate(n.a);
         break;
@@ -108,8 +111,8 @@ struct Splitter {
   Expression argument(std::size_t i, const Signs& signs) const {
     std::vector<SignedDivisor> divisors;
     for (std::size_t k = 0; k < i; ++k)
-      if (switches[k].is_divisor) divisors.push_back({resolved(switches[k].argument, signs, k), signs[k]});
-    return without_quotients(graph, resolved(switches[i].argument, signs, i), divisors, parameters);
+      if (switches[k].breaks) divisors.push_back({resolved(switches[k].argument, signs, k), signs[k]});
+    return without_quotients(graph, resolved(switches[i].argument, signs, i), divisors, parameters).numerator;
   }
 };
 
@@ -187,7 +190,7 @@ class Separation {
       if (!divisors.empty())
         if (const auto quotient = as_quotient(graph_, part, parameters_); quotient && is_one_of(divisors, quotient->divisor)) {
           Switch& own = out.switches[switch_of(out, quotient->divisor).first];
-          own.jumps = own.is_divisor = true;
+          own.jumps = own.breaks = true;
         }
       if (n.operation == Operation::atan || n.operation == Operation::tanh) {
         if (divisors.empty()) continue;
@@ -214,7 +217,8 @@ class Separation {
       const auto [number, side] = switch_of(out, argument);
       out.bends.push_back({part, number, side});
       Switch& own = out.switches[number];
-      own.jumps = own.jumps || has_cut || is_jump(n.operation);
+      own.breaks = own.breaks || has_cut;
+      own.jumps = own.jumps || own.breaks || is_jump(n.operation);
     }
     return out;
   }
@@ -296,10 +300,10 @@ class Separation {
     for (const Signs& one : combinations)
       for (const Expression part : parts) values[one].push_back(splitter.resolved(part, one));
     const std::size_t count = splitter.switches.size();
-    // A sign matters if it changes an expression of the mode anywhere, or the argument of another sign that matters. That of a
-    // divisor does: others may change with it.
+    // A sign matters if it changes an expression of the mode anywhere, or the argument of another sign that matters, or if others
+    // may change with it.
     std::vector<bool> matters;
-    for (const Switch& one : splitter.switches) matters.push_back(one.is_divisor);
+    for (const Switch& one : splitter.switches) matters.push_back(one.breaks);
     for (bool changed = true; changed;) {
       changed = false;
       for (std::size_t i = 0; i < count; ++i)
@@ -348,8 +352,7 @@ class Separation {
       mode.decisive.emplace_back(count, false);
       for (std::size_t i = 0; i < count; ++i) {
         const auto other = part_of.find(flipped(one, i));
-        mode.decisive.back()[i] =
-            (matters[i] && splitter.switches[i].is_divisor) || (other != part_of.end() && other->second != part_of[one]);
+        mode.decisive.back()[i] = splitter.switches[i].breaks || (other != part_of.end() && other->second != part_of[one]);
       }
     }
     mode.class_of = std::move(part_of);
@@ -517,8 +520,8 @@ class Separation {
         for (std::size_t j = 0; j < pieces_.modes[m].field.size(); ++j) event.map.push_back(graph_.state(j));
         event.continuous = !mode.splitter.switches[i].jumps;
         event.when = event.reset = pieces_.modes[m].place;
-        // At a divisor's zero the signs of other arguments change as well.
-        const std::vector<Reached> targets = mode.splitter.switches[i].is_divisor
+        // Where arguments jump, the signs of others change as well.
+        const std::vector<Reached> targets = mode.splitter.switches[i].breaks
                                                  ? reached(event, event.map, mode, mode, number, i)
                                                  : std::vector<Reached>{{mode.first + mode.class_of.at(flipped(signs, i)), {}}};
         if (targets.size() > 1 || targets[0].mode != event.from) add_event(event, targets, {{}});

@@ -34,9 +34,11 @@ class CommonDenominator {
   }
 
   /// See without_quotients.
-  Expression cleared(Expression e) {
+  RegularFraction regular(Expression e) {
     const Fraction own = of(e);
-    return sign_of(own.powers) > 0 ? own.numerator : graph_.negate(own.numerator);
+    const Expression product = times_factors(graph_.constant(1.0), own.powers, std::vector<int>(divisors_.size(), 0));
+    if (sign_of(own.powers) > 0) return {own.numerator, product};
+    return {graph_.negate(own.numerator), graph_.negate(product)};
   }
 
  private:
@@ -170,9 +172,10 @@ int same_up_to_sign(Graph& graph, Expression a, Expression b) {
   return first == normal_form(graph, graph.negate(b)) ? -1 : 0;
 }
 
-Expression without_quotients(Graph& graph, Expression e, const std::vector<SignedDivisor>& divisors,
-                             const std::vector<ParameterInfo>& parameters) {
-  return divisors.empty() ? e : CommonDenominator(graph, divisors, parameters).cleared(e);
+RegularFraction without_quotients(Graph& graph, Expression e, const std::vector<SignedDivisor>& divisors,
+                                  const std::vector<ParameterInfo>& parameters) {
+  if (divisors.empty()) return {e, graph.constant(1.0)};
+  return CommonDenominator(graph, divisors, parameters).regular(e);
 }
 
 }  // namespace graze::equations

@@ -28,9 +28,13 @@ struct SignedDivisor {
   Expression divisor;
   int sign = 1;
 };
-/// e times powers of the absolute values of the divisors, such that no sum, product or quotient in it is divided by one of them:
-/// it has the sign of e and is finite where they vanish. A divisor may contain quotients by the earlier ones.
-Expression without_quotients(Graph& graph, Expression e, const std::vector<SignedDivisor>& divisors,
-                             const std::vector<ParameterInfo>& parameters);
+/// e = numerator / denominator, with the product of powers of the absolute values of the divisors as denominator, so that nothing
+/// in the numerator's sums, products and quotients is divided by them: it has the sign of e and is finite where they vanish. A
+/// divisor may contain quotients by the earlier ones.
+struct RegularFraction {
+  Expression numerator, denominator;
+};
+RegularFraction without_quotients(Graph& graph, Expression e, const std::vector<SignedDivisor>& divisors,
+                                  const std::vector<ParameterInfo>& parameters);
 
 }  // namespace graze::equations

@@ -276,6 +276,12 @@ Bounds bounds(const Graph& graph, Expression e, const std::vector<ParameterInfo>
     case step:
       out = {0.0, 1.0};
       break;
+    case atan:
+      out = {-1.5707964, 1.5707964};
+      break;
+    case atan2:
+      out = {a.lower >= 0.0 ? 0.0 : -3.1415927, a.upper < 0.0 ? 0.0 : 3.1415927};
+      break;
     case abs:
       out = {a.lower > 0.0 ? a.lower : a.upper < 0.0 ? -a.upper : 0.0, std::max(-a.lower, a.upper)};
       break;

@@ -20,7 +20,7 @@ SystemWriter forced(const std::string& force, const std::vector<std::pair<std::s
 
 /// The field as written, with its branches, against the field of the mode of the state.
 void require_same_field(const equations::TextSystem& read,
-                        const std::function<double(double, const Vector&, const Vector&)>& force) {
+                        const std::function<double(double, const Vector&, const Vector&)>& force, bool all_met = true) {
   const HybridSystem& system = read.system;
   Random random(9);
   const Vector p = default_parameters(system.parameters);
@@ -38,7 +38,7 @@ void require_same_field(const equations::TextSystem& read,
   }
   for (std::size_t m = 0; m < met.size(); ++m) {
     INFO(system.modes[m].name);
-    REQUIRE(met[m] > 0);
+    REQUIRE((met[m] > 0 || !all_met));
   }
 }
 
@@ -136,6 +136,7 @@ TEST_CASE("bounded functions of a quotient jump where its divisor passes zero (f
     std::string force;
     std::function<double(const Vector&)> value;
     std::size_t modes;
+    bool all_met = true;
   };
   const std::vector<Case> cases = {
       {"0.3*clamp(1/(0.5 - x), -1, 1)", [](const Vector& x) { return 0.3 * std::clamp(1.0 / (0.5 - x[0]), -1.0, 1.0); }, 4},
@@ -146,13 +147,16 @@ TEST_CASE("bounded functions of a quotient jump where its divisor passes zero (f
       {"0.3*tanh((x - 0.5)^-1)", [](const Vector& x) { return 0.3 * std::tanh(1.0 / (x[0] - 0.5)); }, 2},
       {"0.3*tanh(tan(x))", [](const Vector& x) { return 0.3 * std::tanh(std::tan(x[0])); }, 2},
       {"0.3*atan2(v, x)", [angle](const Vector& x) { return 0.3 * angle(x[1], x[0]); }, 2},
+      {"0.2*abs(atan2(v, x) - 1)", [angle](const Vector& x) { return 0.2 * std::abs(angle(x[1], x[0]) - 1.0); }, 4,
+       false},  // angles beyond 1 do not occur at v < 0
       {"0.3*min(1, abs(0.2/(0.5 - x)))", [](const Vector& x) { return 0.3 * std::min(1.0, std::abs(0.2 / (0.5 - x[0]))); }, 4},
       {"0.3*sign(1 + 1/(0.5 - x))", [](const Vector& x) { return 1.0 + 1.0 / (0.5 - x[0]) > 0.0 ? 0.3 : -0.3; }, 3}};
   for (const Case& one : cases) {
     INFO(one.force);
     const equations::TextSystem read = equations::make_system(forced(one.force).system);
     CHECK(read.system.modes.size() == one.modes);
-    require_same_field(read, [&](double, const Vector& x, const Vector&) { return one.value(x); });
+    require_same_field(
+        read, [&](double, const Vector& x, const Vector&) { return one.value(x); }, one.all_met);
     const Vector p = parameters(read.system, {{"xi", 1.7}}), x0 = vector({0.2, 1.1});
     const Trajectory run = simulate(read.system, p, 0.0, x0, {.t_end = 9.0});
     REQUIRE(run.termination == Termination::time);
