@@ -186,9 +186,7 @@ TEST_CASE("where symmetry breaks without forcing, one of both mirror images is l
   const std::vector<Branch> branches = continue_orbit(system, orbit, options);
   const auto crossings = points_of(branches[0], PointType::BP);
   REQUIRE(crossings.size() == 1);
-  std::vector<const Branch*> broken;
-  for (const Branch& branch : branches)
-    if (branch.parent && branch.parent->label == crossings[0].label) broken.push_back(&branch);
+  const std::vector<const Branch*> broken = born_at(crossings[0], branches);
   REQUIRE(broken.size() == 1);
   REQUIRE(broken[0]->mirrored);
   CHECK(!branches[0].mirrored);

@@ -168,9 +168,7 @@ TEST_CASE("the branch of broken symmetry is followed and its mirror image is cou
   const std::vector<Branch> branches = continue_orbit(stops(), orbit, {.to = 0.36, .max_multiple = 1});
   const auto crossings = points_of(branches[0], PointType::BP);
   REQUIRE(crossings.size() == 1);
-  std::vector<const Branch*> broken;
-  for (const Branch& branch : branches)
-    if (branch.parent && branch.parent->label == crossings[0].label) broken.push_back(&branch);
+  const std::vector<const Branch*> broken = born_at(crossings[0], branches);
   REQUIRE(broken.size() == 1);
   CHECK(broken[0]->mirrored);
   CHECK(!branches[0].mirrored);

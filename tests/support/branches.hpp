@@ -17,6 +17,14 @@ inline std::vector<SpecialPoint> points_of(const Branch& branch, PointType type)
   return list;
 }
 
+/// The branches born at a special point.
+inline std::vector<const Branch*> born_at(const SpecialPoint& point, const std::vector<Branch>& branches) {
+  std::vector<const Branch*> list;
+  for (const Branch& branch : branches)
+    if (branch.parent && branch.parent->label == point.label) list.push_back(&branch);
+  return list;
+}
+
 /// Types of the special points in the order of the branch, without its ends: "PD LP".
 inline std::string types_of(const Branch& branch) {
   std::string text;
