@@ -367,6 +367,12 @@ class Separation {
                                 one[i] > 0 ? ">" : "<");
       if (mode.representatives.size() > 1) piece.name += branch;
       for (Expression& f : piece.field) f = splitter.resolved(f, one);
+      // No single sign may lead out of a combination that no state has: guards alone would not exclude it at a start.
+      for (std::size_t i = 0; i < count; ++i)
+        if (mode.common[number][i] != 0 && !mode.decisive[number][i]) {
+          const Expression argument = splitter.argument(i, one);
+          piece.conditions.push_back(one[i] > 0 ? argument : graph_.negate(argument));
+        }
       out_.modes.push_back(std::move(piece));
     }
   }

@@ -25,6 +25,8 @@ struct ModePiece {
   std::vector<Place> equation;  ///< for each state
   Place place;                  ///< of its name
   std::vector<ConstraintPiece> constraints = {};
+  /// Not negative in the mode, and watched by no guard: states for which one is negative begin in another mode.
+  std::vector<Expression> conditions = {};
 };
 
 /// Of an impact: see Accumulation.

@@ -41,8 +41,10 @@ struct ToleratedConstraint {
   double tolerance = constraint_tolerance;
 };
 
-/// Determines the mode of a state from the guards of each mode (see system_text.hpp).
-InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<ToleratedConstraint>>& constraints) {
+/// Determines the mode of a state from the guards of each mode (see system_text.hpp), its constraints, and the conditions that
+/// are not negative in it.
+InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<ToleratedConstraint>>& constraints,
+                           const std::vector<std::vector<ScalarFunction>>& conditions) {
   std::vector<VectorFunction> fields;
   std::vector<std::vector<Guard>> guards(system.modes.size());
   for (const Mode& mode : system.modes) fields.push_back(mode.field);
@@ -52,7 +54,8 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return constraints[a].size() > constraints[b].size(); });
-  return [fields, guards, constraints, order](double t, const Vector& x, const Vector& p) -> std::optional<std::size_t> {
+  return [fields, guards, constraints, conditions, order](double t, const Vector& x,
+                                                          const Vector& p) -> std::optional<std::size_t> {
     Vector f(x.size()), gradient(x.size()), later(x.size());
     const auto rate = [&](const Guard& guard, std::size_t mode, double time, const Vector& at) {
       fields[mode](time, at, p, f);
@@ -64,8 +67,13 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
       return std::all_of(constraints[mode].begin(), constraints[mode].end(),
                          [&](const ToleratedConstraint& one) { return std::abs(one.value(t, x, p)) <= one.tolerance * size; });
     };
+    const auto keeps_conditions = [&](std::size_t mode) {
+      return std::all_of(conditions[mode].begin(), conditions[mode].end(),
+                         [&](const ScalarFunction& one) { return one(t, x, p) >= -guard_tolerance * size; });
+    };
     const auto motion_stays_in = [&](std::size_t mode) {
-      return keeps_constraints(mode) && std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
+      return keeps_constraints(mode) && keeps_conditions(mode) &&
+             std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
                const double h = guard.value(t, x, p);
                if (h != 0.0) return h < 0.0;
                const double speed = rate(guard, mode, t, x);
@@ -75,9 +83,9 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
              });
     };
     const auto admits = [&](std::size_t mode) {
-      return keeps_constraints(mode) && std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
-               return guard.value(t, x, p) <= guard_tolerance * size;
-             });
+      return keeps_constraints(mode) && keeps_conditions(mode) &&
+             std::all_of(guards[mode].begin(), guards[mode].end(),
+                         [&](const Guard& guard) { return guard.value(t, x, p) <= guard_tolerance * size; });
     };
     for (const std::size_t mode : order)
       if (motion_stays_in(mode)) return mode;
@@ -106,7 +114,7 @@ class Builder {
     build_events();
     read_outputs();
     read_units();
-    out_.system.initial_mode = mode_by_guards(out_.system, constraints_);
+    out_.system.initial_mode = mode_by_guards(out_.system, constraints_, conditions_);
     validate(out_.system);
     check_values();
     check_period();
@@ -690,6 +698,8 @@ class Builder {
       if (!mode.field_dp) mode.field_dp = [](double, const Vector&, const Vector&, Matrix& J) { J.setZero(); };
       mode.field_dt = derivative_in_time(graph_, piece.field);
       mode.structure = recognise_structure(graph_, piece.field, out_.system.forcing_frequency, out_.system.parameters.size());
+      conditions_.emplace_back();
+      for (const Expression one : piece.conditions) conditions_.back().push_back(scalar_function(graph_, one));
       constraints_.emplace_back();
       for (const ConstraintPiece& one : piece.constraints) {
         // If the constraint fixes one state at a constant value, the motion in the mode preserves it exactly.
@@ -934,6 +944,7 @@ class Builder {
   const SystemText& text_;
   std::vector<Text> state_texts_;
   std::vector<std::vector<ToleratedConstraint>> constraints_;  // of each mode
+  std::vector<std::vector<ScalarFunction>> conditions_;        // of each mode: see ModePiece
   TextSystem out_;
   Graph& graph_;
   std::map<std::string, std::string, std::less<>> kinds_;  // name -> "state", "parameter", "definition" or "output"

@@ -146,6 +146,12 @@ TEST_CASE("bounded functions of a quotient jump where its divisor passes zero (f
       {"0.3*atan(2 + v/(0.5 - x))", [](const Vector& x) { return 0.3 * std::atan(2.0 + x[1] / (0.5 - x[0])); }, 2},
       {"0.3*tanh((x - 0.5)^-1)", [](const Vector& x) { return 0.3 * std::tanh(1.0 / (x[0] - 0.5)); }, 2},
       {"0.3*tanh(tan(x))", [](const Vector& x) { return 0.3 * std::tanh(std::tan(x[0])); }, 2},
+      {"0.1*v + 0.3*clamp(clamp(1/x, -2, 2), -1, 1)",
+       [](const Vector& x) { return 0.1 * x[1] + 0.3 * std::clamp(std::clamp(1.0 / x[0], -2.0, 2.0), -1.0, 1.0); }, 7, false},
+      {"0.3*abs(clamp(1/x, -2, 2) - 1)", [](const Vector& x) { return 0.3 * std::abs(std::clamp(1.0 / x[0], -2.0, 2.0) - 1.0); },
+       6, false},
+      {"0.3*clamp(max(x/(v - x), 2), -0.5, 1)",
+       [](const Vector& x) { return 0.3 * std::clamp(std::max(x[0] / (x[1] - x[0]), 2.0), -0.5, 1.0); }, 8, false},
       {"0.3*atan2(v, x)", [angle](const Vector& x) { return 0.3 * angle(x[1], x[0]); }, 2},
       {"0.2*abs(atan2(v, x) - 1)", [angle](const Vector& x) { return 0.2 * std::abs(angle(x[1], x[0]) - 1.0); }, 4,
        false},  // angles beyond 1 do not occur at v < 0
