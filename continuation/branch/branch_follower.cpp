@@ -295,12 +295,18 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
   Vector start = given.u, direction = given.orientation;
   // Moves start and direction to a section clear of impacts, if needed.
   const auto clear_section = [&] {
-    const double section = better_section(problem, start);
-    if (section == problem.equations().section_phase()) return;
-    OrbitProblem moved = problem.with_section(section);
+    const double current = problem.equations().section_phase(), section = better_section(problem, start);
+    if (section == current) return;
+    // Without forcing the phase is counted from the first node.
+    const bool autonomous = problem.equations().autonomous();
+    OrbitProblem moved = problem.with_section(autonomous ? current : section);
+    const auto move = [&](const Vector& u) {
+      const double turn = problem.equations().duration(u.head(u.size() - 1)) / problem.period();
+      return autonomous ? problem.carried_on(u, (section - current) * turn) : problem.to_section(moved, u);
+    };
     // Small against the square of the speed of a weak impact: the impact exists within that distance of the barrier.
     const double small = 1e-8 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
-    const auto here = problem.to_section(moved, start), before = problem.to_section(moved, start - small * direction);
+    const auto here = move(start), before = move(start - small * direction);
     if (!here) return;
     direction =
         before ? Vector((*here - *before) / small) : Vector(direction[direction.size() - 1] * moved.parameter_direction());
@@ -588,8 +594,7 @@ double nearest_approach(OrbitProblem& problem, const Vector& shortened, double l
 
 double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
   const double current = problem.equations().section_phase();
-  if (!(hard_contacts_ || clear_of_soft_) || problem.equations().autonomous() ||
-      !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
+  if (!(hard_contacts_ || clear_of_soft_) || !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
     return current;
   // Places of the events within their stretches, as fractions from the start of the stretch.
   const Vector shortened = u.head(u.size() - 1);

@@ -37,28 +37,36 @@ OrbitProblem OrbitProblem::with_section(double section_phase) const {
   return other;
 }
 
-std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector& u) {
-  const int n = states(), N = nodes();
+std::optional<Vector> OrbitProblem::carried_on(const Vector& u, double ahead) {
+  const int n = states();
   if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
   const Vector shortened = u.head(u.size() - 1);
-  const double length = equations_.duration(shortened) / N;
-  // Each new node lies on a stretch that begins at an old node, `ahead` after it.
-  const double T = equations_.duration(shortened) / period();
-  double ahead = std::fmod((other.equations_.section_phase() - equations_.section_phase()) * T, length);
-  if (ahead < 0.0) ahead += length;
-  const auto shift =
-      static_cast<int>(std::lround((equations_.section_phase() * T + ahead - other.equations_.section_phase() * T) / length));
-  Vector moved = u;
+  Vector out = u;
   Transition transition;
-  for (int j = 0; j < N; ++j) {
+  for (int j = 0; j < nodes(); ++j) {
     const double start = equations_.node_time(shortened, j);
     carry(equations_.propagator(), start, start + ahead, equations_.node(shortened, j), {.sensitivity = Sensitivity::none},
           transition);
     if (transition.termination != Termination::time) return std::nullopt;
-    const int target = ((j + shift) % N + N) % N;
-    moved.segment(target * n, n) = transition.x1;
+    out.segment(j * n, n) = transition.x1;
   }
-  return moved;
+  return out;
+}
+
+std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector& u) {
+  const int n = states(), N = nodes();
+  if (!set_value(equations_, u)) return std::nullopt;
+  const double T = equations_.duration(u.head(u.size() - 1)) / period(), length = T * period() / N;
+  // Each new node lies on a stretch that begins at an old node, `ahead` after it.
+  double ahead = std::fmod((other.equations_.section_phase() - equations_.section_phase()) * T, length);
+  if (ahead < 0.0) ahead += length;
+  const auto shift =
+      static_cast<int>(std::lround((equations_.section_phase() * T + ahead - other.equations_.section_phase() * T) / length));
+  const std::optional<Vector> moved = carried_on(u, ahead);
+  if (!moved) return std::nullopt;
+  Vector out = u;
+  for (int j = 0; j < N; ++j) out.segment(((j + shift) % N + N) % N * n, n) = moved->segment(j * n, n);
+  return out;
 }
 
 OrbitProblem OrbitProblem::in_half_steps() const {

@@ -24,6 +24,8 @@ class OrbitProblem : public BranchProblem {
   /// The same problem with its first node at another forcing phase, and the conversion of an orbit u of this problem to that
   /// one. nullopt if the motion cannot be carried to the new nodes.
   OrbitProblem with_section(double section_phase) const;
+  /// The orbit with its nodes a time `ahead` later along it. nullopt if the motion cannot be carried there.
+  std::optional<Vector> carried_on(const Vector& u, double ahead);
   std::optional<Vector> to_section(OrbitProblem& other, const Vector& u);
 
   /// See with_half_steps().
