@@ -6,11 +6,12 @@
 namespace graze::apps {
 
 std::string singularity_text(const Problem& problem, Termination reason, const Vector& state) {
-  if (reason != Termination::integration_failed || !problem.written) return {};
+  const bool sliding = reason == Termination::event_limit;
+  if ((reason != Termination::integration_failed && !sliding) || !problem.written) return {};
   if (!state.allFinite() || !mode_at(problem.system, 0.0, state, problem.parameters)) return {};
   const Trajectory run = simulate_period(problem.system, problem.parameters, state);
   if (run.termination != reason) return {};
-  const auto found = find_singularity(*problem.written, run, problem.parameters);
+  const auto found = sliding ? find_sliding(*problem.written, run) : find_singularity(*problem.written, run, problem.parameters);
   return found ? found->what() : "";
 }
 

@@ -45,7 +45,8 @@ struct Bend {
   Expression node;
   std::size_t number = 0;
   int side = 1;
-  std::vector<InnerQuotient> quotients = {};  ///< of atan and tanh, operands first; `number` is the last of theirs
+  std::vector<InnerQuotient> quotients = {};  ///< of atan, tanh and atan2, operands first; `number` is the last of theirs
+  std::optional<std::size_t> cut = {};        ///< of atan2: the switch of its first operand
 };
 
 /// The nonsmooth functions of one mode.
@@ -56,6 +57,23 @@ struct Splitter {
   const std::vector<ParameterInfo>& parameters;
   std::map<Expression, std::size_t> numbers;  ///< of the switches, by the normal forms of their arguments
 
+  /// An operand of atan or atan2 without the quotients whose divisors are switches.
+  RegularFraction regular(Expression operand, const Bend& bend, const Signs& signs, const Replacement& replacement) const {
+    std::vector<SignedDivisor> divisors;
+    for (const InnerQuotient& one : bend.quotients)
+      divisors.push_back({graph.substitute(one.quotient.divisor, replacement), signs[one.number] * one.side});
+    return without_quotients(graph, graph.substitute(operand, replacement), divisors, parameters);
+  }
+
+  /// atan2(y, x) where y has this sign: for y > 0 it is pi/2 - atan2(x, y), which continues smoothly beyond y = 0; it is odd in
+  /// y.
+  Expression angle(Expression y, Expression x, int sign) const {
+    const Expression size = sign > 0 ? y : graph.negate(y);
+    const Expression out =
+        graph.subtract(graph.divide(graph.pi(), graph.constant(2.0)), graph.function(Operation::atan2, x, size));
+    return sign > 0 ? out : graph.negate(out);
+  }
+
   Expression resolved(Expression e, const Signs& signs, std::size_t known) const {
     Replacement replacement;
     for (const Bend& bend : bends) {
@@ -65,10 +83,7 @@ struct Splitter {
       Expression branch;
       switch (n.operation) {
       case Operation::atan: {  // of p/q with q > 0, continued beyond q = 0
-        std::vector<SignedDivisor> divisors;
-        for (const InnerQuotient& one : bend.quotients)
-          divisors.push_back({graph.substitute(one.quotient.divisor, replacement), signs[one.number] * one.side});
-        const RegularFraction operand = without_quotients(graph, graph.substitute(n.a, replacement), divisors, parameters);
+        const RegularFraction operand = regular(n.a, bend, signs, replacement);
         replacement[bend.node.index] = graph.function(Operation::atan2, operand.numerator, operand.denominator);
         continue;
       }
@@ -85,11 +100,13 @@ struct Splitter {
         replacement[bend.node.index] = graph.substitute(bend.node, inside);
         continue;
       }
-      case Operation::atan2: {  // for y > 0 it is pi/2 - atan2(x, y), which continues smoothly beyond y = 0; it is odd in y
-        const Expression size = positive ? n.a : graph.negate(n.a);
-        branch = graph.subtract(graph.divide(graph.pi(), graph.constant(2.0)), graph.function(Operation::atan2, n.b, size));
-        if (!positive) branch = graph.negate(branch);
-        break;
+      case Operation::atan2: {
+        const RegularFraction first = regular(n.a, bend, signs, replacement), second = regular(n.b, bend, signs, replacement);
+        const Expression y = graph.multiply(first.numerator, second.denominator),
+                         x = graph.multiply(second.numerator, first.denominator);
+        replacement[bend.node.index] =
+            bend.cut ? angle(y, x, signs[*bend.cut] * bend.side) : graph.function(Operation::atan2, y, x);
+        continue;
       }
       case Operation::abs:
         branch = positive ? n.a : graph.negate(n.a);
@@ -182,6 +199,28 @@ class Separation {
                        [&](Expression one) { return same_up_to_sign(graph_, one, divisor) != 0; });
   }
 
+  /// Adds atan, tanh or atan2, if it jumps.
+  void add_bounded(Splitter& out, Expression node, const std::vector<Expression>& divisors) {
+    const Node n = graph_.node(node);
+    Bend bend{node};
+    if (!divisors.empty())
+      for (const Expression inner : reachable(graph_, node))
+        if (const auto quotient = as_quotient(graph_, inner, parameters_); quotient && is_one_of(divisors, quotient->divisor)) {
+          const auto [number, side] = switch_of(out, quotient->divisor);
+          bend.quotients.push_back({inner, *quotient, number, side});
+          bend.number = std::max(bend.number, number);
+        }
+    if (n.operation == Operation::atan2 && bounds(graph_, n.b, parameters_).lower < 0.0 && dependence(graph_, n.a).moves()) {
+      const auto [number, side] = switch_of(out, n.a);
+      Switch& own = out.switches[number];
+      own.jumps = own.breaks = true;
+      bend.cut = number;
+      bend.side = side;
+      bend.number = std::max(bend.number, number);
+    }
+    if (!bend.quotients.empty() || bend.cut) out.bends.push_back(std::move(bend));
+  }
+
   /// `divisors`: those that become switches.
   Splitter find_switches(std::size_t m, const std::vector<Expression>& divisors) {
     Splitter out{graph_, {}, {}, parameters_, {}};
@@ -192,21 +231,12 @@ class Separation {
           Switch& own = out.switches[switch_of(out, quotient->divisor).first];
           own.jumps = own.breaks = true;
         }
-      if (n.operation == Operation::atan || n.operation == Operation::tanh) {
-        if (divisors.empty()) continue;
-        Bend bend{part};
-        for (const Expression inner : reachable(graph_, n.a))
-          if (const auto quotient = as_quotient(graph_, inner, parameters_); quotient && is_one_of(divisors, quotient->divisor)) {
-            const auto [number, side] = switch_of(out, quotient->divisor);
-            bend.quotients.push_back({inner, *quotient, number, side});
-            bend.number = std::max(bend.number, number);
-          }
-        if (!bend.quotients.empty()) out.bends.push_back(std::move(bend));
+      if (jumps_at_poles(n.operation)) {
+        add_bounded(out, part, divisors);
         continue;
       }
-      const bool has_cut = n.operation == Operation::atan2 && bounds(graph_, n.b, parameters_).lower < 0.0;
-      if (!is_nonsmooth(n.operation) && !has_cut) continue;
-      const Expression argument = has_cut ? n.a : switching_argument(graph_, n);
+      if (!is_nonsmooth(n.operation)) continue;
+      const Expression argument = switching_argument(graph_, n);
       if (!dependence(graph_, argument).moves()) continue;  // the sign of a parameter is not an event
       for (const Expression inner : reachable(graph_, argument))
         if (is_jump(graph_.node(inner).operation) && dependence(graph_, inner).moves())
@@ -217,8 +247,7 @@ class Separation {
       const auto [number, side] = switch_of(out, argument);
       out.bends.push_back({part, number, side});
       Switch& own = out.switches[number];
-      own.breaks = own.breaks || has_cut;
-      own.jumps = own.jumps || own.breaks || is_jump(n.operation);
+      own.jumps = own.jumps || is_jump(n.operation);
     }
     return out;
   }
@@ -229,7 +258,7 @@ class Separation {
     std::vector<Expression> inside;
     for (const Expression part : reachable(graph_, roots(m))) {
       const Node n = graph_.node(part);
-      if (n.operation == Operation::atan || n.operation == Operation::tanh) inside.push_back(n.a);
+      if (jumps_at_poles(n.operation)) inside.push_back(part);
       if (is_nonsmooth(n.operation)) inside.push_back(switching_argument(graph_, n));
     }
     std::vector<Expression> divisors = vanishing_divisors(graph_, inside, parameters_, true);

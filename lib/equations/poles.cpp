@@ -126,6 +126,10 @@ class CommonDenominator {
 
 }  // namespace
 
+bool jumps_at_poles(Operation operation) {
+  return operation == Operation::atan || operation == Operation::tanh || operation == Operation::atan2;
+}
+
 std::optional<Quotient> as_quotient(Graph& graph, Expression e, const std::vector<ParameterInfo>& parameters) {
   const Node n = graph.node(e);
   Quotient out{graph.constant(1.0), n.a, 1};
@@ -154,7 +158,7 @@ std::vector<Expression> vanishing_divisors(Graph& graph, std::span<const Express
     open.pop_back();
     if (!met.insert(part.index).second) continue;
     const Node n = graph.node(part);
-    if (!inside_bounded && (n.operation == Operation::atan || n.operation == Operation::tanh)) continue;
+    if (!inside_bounded && jumps_at_poles(n.operation)) continue;
     if (operands(n.operation) > 0) open.push_back(n.a);
     if (operands(n.operation) > 1) open.push_back(n.b);
     const auto quotient = as_quotient(graph, part, parameters);

@@ -7,6 +7,9 @@
 
 namespace graze::equations {
 
+/// atan, atan2 and tanh: smooth functions that are finite, and jump, at a pole of an operand.
+bool jumps_at_poles(Operation operation);
+
 /// numerator / divisor^power. tan(a) is sin(a)/cos(a).
 struct Quotient {
   Expression numerator, divisor;
@@ -16,7 +19,8 @@ struct Quotient {
 /// zero, or that is an even power, has no such pole.
 std::optional<Quotient> as_quotient(Graph& graph, Expression e, const std::vector<ParameterInfo>& parameters);
 
-/// The divisors of all quotients in the roots, each once up to its sign. Not `inside_bounded`: without those in atan and tanh.
+/// The divisors of all quotients in the roots, each once up to its sign. Not `inside_bounded`: without those in atan, atan2 and
+/// tanh.
 std::vector<Expression> vanishing_divisors(Graph& graph, std::span<const Expression> roots,
                                            const std::vector<ParameterInfo>& parameters, bool inside_bounded);
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/motion/singularity.hpp>
 
+#include <graze/lib/equations/pieces.hpp>
+
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace graze {
@@ -41,6 +45,24 @@ std::optional<EquationError> find_singularity(const TextSystem& text, const Traj
     }
   if (const auto found = find_not_finite_derivative(text, last.mode, t, x, p)) return not_finite_error(text, *found, t, x);
   return std::nullopt;
+}
+
+std::optional<EquationError> find_sliding(const TextSystem& text, const Trajectory& run) {
+  constexpr double same_instant = 1e-6;
+  if (run.events.size() < 2) return std::nullopt;
+  const EventRecord &before = run.events[run.events.size() - 2], &last = run.events.back();
+  const Event &there = text.system.events[before.event], &back = text.system.events[last.event];
+  const bool made = text.events[before.event].text == made_event && text.events[last.event].text == made_event;
+  if (!made || back.continuous || back.from != there.to || back.to != there.from || last.t - before.t > same_instant)
+    return std::nullopt;
+  const std::string argument = back.name.substr(0, back.name.rfind(' '));  // behind it: rises or falls
+  return not_finite_error(text,
+                          {text.events[last.event].when,
+                           fmt::format("the motion slides along {} = 0, where the equations jump; write it as "
+                                       "[[friction]] or [[surfaces]]: it slides",
+                                       argument),
+                           true},
+                          last.t, last.x_minus);
 }
 
 }  // namespace graze

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Finds the expression of a text system that stops being finite and so ends a run.
+// Finds the expression of a text system that ends a run: it stops being finite, or the motion slides along its jump.
 #pragma once
 
 #include <graze/lib/equations/not_finite.hpp>
@@ -13,5 +13,8 @@ namespace graze {
 /// divisor that changed its sign in the last stretch, or a reset that is not finite. nullopt: none found.
 std::optional<equations::EquationError> find_singularity(const equations::TextSystem& text, const Trajectory& run,
                                                          const Vector& p);
+
+/// A jump of sign or step along which the motion slides, if the run ended with events without end between its two sides.
+std::optional<equations::EquationError> find_sliding(const equations::TextSystem& text, const Trajectory& run);
 
 }  // namespace graze

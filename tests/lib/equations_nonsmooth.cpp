@@ -153,6 +153,9 @@ TEST_CASE("bounded functions of a quotient jump where its divisor passes zero (f
       {"0.3*clamp(max(x/(v - x), 2), -0.5, 1)",
        [](const Vector& x) { return 0.3 * std::clamp(std::max(x[0] / (x[1] - x[0]), 2.0), -0.5, 1.0); }, 8, false},
       {"0.3*atan2(v, x)", [angle](const Vector& x) { return 0.3 * angle(x[1], x[0]); }, 2},
+      {"0.2*atan2(1/(x - 0.3), 2 + v^2)", [](const Vector& x) { return 0.2 * std::atan2(1.0 / (x[0] - 0.3), 2.0 + x[1] * x[1]); },
+       2},
+      {"0.2*atan2(v/(x - 0.3), 1 - x)", [](const Vector& x) { return 0.2 * std::atan2(x[1] / (x[0] - 0.3), 1.0 - x[0]); }, 4},
       {"0.2*abs(atan2(v, x) - 1)", [angle](const Vector& x) { return 0.2 * std::abs(angle(x[1], x[0]) - 1.0); }, 4,
        false},  // angles beyond 1 do not occur at v < 0
       {"0.3*min(1, abs(0.2/(0.5 - x)))", [](const Vector& x) { return 0.3 * std::min(1.0, std::abs(0.2 / (0.5 - x[0]))); }, 4},
