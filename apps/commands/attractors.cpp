@@ -27,6 +27,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <set>
 #include <stdexcept>
 
 namespace graze::apps {
@@ -399,9 +400,12 @@ BasinOptions basin_options(const Options& options, const Console& console, Progr
 Json described(const Problem& problem, const Plane& plane, const Options& options, const std::array<Axis, 2>& axes) {
   Json json = {{"problem", options.start.file}, {"set", options.start.settings}};
   if (!is_built_in(problem)) json.update({{"plane", plane.name}, {"start", to_json(plane.others)}});
+  static const std::set<std::string> taken = {"problem",   "set",     "plane",      "start", "random", "seed",
+                                              "transient", "periods", "max_period", "y",     "flow"};
   for (std::size_t i = 0; i < 2; ++i) {
-    json[plane.name[i]] = {axes[i].from, axes[i].to};
-    if (!options.random) json[plane.name[i]].push_back(axes[i].count);
+    Json& axis = json[plane.name[i] + (taken.contains(plane.name[i]) ? "_" : "")];
+    axis = {axes[i].from, axes[i].to};
+    if (!options.random) axis.push_back(axes[i].count);
   }
   if (options.random) json.update({{"random", *options.random}, {"seed", options.seed.value_or(1)}});
   json.update({{"transient", options.transient}, {"periods", options.periods}, {"max_period", options.max_period}});

@@ -167,7 +167,9 @@ std::string autonomous_message(const Problem& problem, const FoundOrbits& found,
   if (found.cancelled) return fmt::format("{} after {}", interruption(), after);
   if (found.attempted)
     return fmt::format("no orbit of {} was found from {} ({})", counted_periods(problem, period), shown(found.attempted->state),
-                       newton_status_text(found.attempted->newton.status));
+                       found.attempted->newton.status == NewtonStatus::not_run
+                           ? "the motion does not return there; --period gives another number of returns"
+                           : newton_status_text(found.attempted->newton.status));
   if (!found.orbits.empty()) return {};
   return fmt::format("{}: after {} it is at {}; events with a count are returns, or those that begin a contact",
                      termination_text(Termination::no_return), after, shown(settled.state));

@@ -200,6 +200,15 @@ std::string fineness_text(const Json& search, const std::string& parameter) {
   return text + "\n";
 }
 
+/// A line that names the branches of which a mirror image, which is not listed, is a branch too; empty if there are none.
+std::string mirrored_text(const std::vector<Branch>& branches) {
+  std::vector<std::string> list;
+  for (const Branch& branch : branches)
+    if (branch.mirrored) list.push_back(fmt::format("branch {}", branch.id));
+  return list.empty() ? ""
+                      : fmt::format("  not listed: the mirror images of {}, which are branches too\n", fmt::join(list, ", "));
+}
+
 }  // namespace
 
 Columns<SkeletonSeed> seed_columns(std::size_t parameter) {
@@ -296,7 +305,7 @@ std::string skeleton_text(const Json& search, std::size_t seeds, const std::vect
   std::string count = curves == 1 ? "1 branch" : fmt::format("{} branches", curves);
   if (curves < branches.size()) count += fmt::format(" ({} of them in two halves, from a seed inside)", branches.size() - curves);
   std::string text = fmt::format("{}, {}\n", counted(seeds, "seed"), count) + fineness_text(search, parameter) + "\n" +
-                     aligned(curves_overview(branches, parameter)) + "\n" +
+                     aligned(curves_overview(branches, parameter)) + mirrored_text(branches) + "\n" +
                      aligned(special_points_overview(branches, parameter)) + cascades_text(cascades(branches), parameter);
   if (cut_off.empty()) return text;
   text += fmt::format("\nnot followed ({}):\n", cut_off.size());

@@ -480,6 +480,7 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   if (branch.points.empty() && !curve.points.empty() && !on_grazing) begin(problem, curve.points.front().u, branch);
   if (branch.points.empty()) {
     branch.stop = interrupted_ ? BranchStop::interrupted : BranchStop::start_failed;
+    branch.stop_value = branch.parameters[static_cast<Eigen::Index>(problem.parameter())];
     if (interrupted_) {
       branch.message = "it was interrupted";
     } else if (!nothing_beyond) {

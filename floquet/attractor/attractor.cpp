@@ -50,11 +50,10 @@ void describe_orbit(Attractor& attractor, const StableOrbit& orbit) {
   attractor.state = orbit.states.front();
   attractor.multipliers = orbit.multipliers.values;
   attractor.exponents = orbit.multipliers.exponents;
-  if (orbit.multipliers.section == Section::autonomous) {
-    attractor.duration = orbit.duration;
-    std::fill(attractor.exponents.end() - orbit.multipliers.trivial, attractor.exponents.end(), 0.0);
-    std::stable_sort(attractor.exponents.begin(), attractor.exponents.end(), std::greater<>());  // the trivial one comes last
-  }
+  if (orbit.multipliers.section == Section::autonomous) attractor.duration = orbit.duration;
+  // The trivial ones come last.
+  std::fill(attractor.exponents.end() - orbit.multipliers.trivial, attractor.exponents.end(), 0.0);
+  if (orbit.multipliers.trivial > 0) std::stable_sort(attractor.exponents.begin(), attractor.exponents.end(), std::greater<>());
   attractor.standard_errors.assign(attractor.exponents.size(), 0.0);
   attractor.orbit.reset();
 }

@@ -53,7 +53,10 @@ void find_autonomous(const HybridSystem& system, const Vector& p, const FindOrbi
   ShootingOptions shooting;
   shooting.finite_differences = true;
   PeriodicOrbit orbit = shoot_returns(propagator, states, shooting);
-  if (orbit.converged()) return take(found, {std::move(orbit)}, OrbitOrigin::settled);
+  if (orbit.converged()) {
+    orbit.period = std::max(1, count_returns(system, orbit));
+    return take(found, {std::move(orbit)}, OrbitOrigin::settled);
+  }
   orbit.state = states.front();
   found.attempted = std::move(orbit);
 }

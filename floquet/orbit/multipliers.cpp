@@ -252,7 +252,8 @@ std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>&
 
 int FloquetMultipliers::unstable() const {
   const auto end = values.end() - std::min<std::ptrdiff_t>(trivial, std::ssize(values));
-  return static_cast<int>(std::count_if(values.begin(), end, [](const auto& mu) { return std::abs(mu) > 1.0; }));
+  constexpr double rounding = 1e-12;
+  return static_cast<int>(std::count_if(values.begin(), end, [](const auto& mu) { return std::abs(mu) > 1.0 + rounding; }));
 }
 
 bool FloquetMultipliers::neutral() const {

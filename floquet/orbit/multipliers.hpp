@@ -40,7 +40,7 @@ struct FloquetMultipliers {
   std::vector<double> exponents;             ///< ln|mu| / duration, -infinity for a zero multiplier
   bool valid = false;                        ///< false: not computed, or not finite (grazing)
 
-  /// Number of nontrivial multipliers outside the unit circle.
+  /// Number of nontrivial multipliers outside the unit circle by more than rounding.
   int unstable() const;
   bool stable() const { return valid && unstable() == 0; }
   /// All on the unit circle.

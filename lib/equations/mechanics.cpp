@@ -135,6 +135,12 @@ class Mechanics {
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = 0.1 * static_cast<double>(i + 1);
     return x;
   }
+  void not_negative(Expression e, const Text& text, const std::string& what) const {
+    const Node& node = graph_.node(e);
+    if (node.operation == Operation::constant && node.value < 0.0)
+      refuse(text.place, fmt::format("the {} is {}; allowed is >= 0", what, text.text));
+  }
+
   /// The normal form, unless the expression is long.
   Expression tidy(Expression e) const { return reachable(graph_, e).size() > longest_tidied ? e : normal_form(graph_, e); }
   /// True if the expression vanishes identically; a nonzero value is the faster proof that it does not.
@@ -356,6 +362,7 @@ class Mechanics {
       Column coefficients;
       for (const Text& one : text.values) coefficients.push_back(read(one, where));
       const bool hertz = law->name == "hertz";
+      if (hertz) not_negative(coefficients[0], text.values[0], fmt::format("stiffness k_H of the stop {}", name));
       const Expression elastic = graph_.multiply(coefficients[0], hertz ? graph_.contact_power(d, 1.5) : d);
       force = elastic;
       if (coefficients.size() > 1) {
@@ -386,6 +393,7 @@ class Mechanics {
     for (const Expression one : friction.direction)
       if (has_velocity(one)) refuse(text.speed.place, fmt::format("the speed of {} is not linear in {}", name, velocity_in(one)));
     const Expression normal = read(text.normal, fmt::format("in the normal force of {}", name));
+    not_negative(normal, text.normal, fmt::format("normal force of the friction {}", name));
     const std::string where = fmt::format("in the law of {}", name);
     const auto coefficient = [&](Expression u) { return read(text.law, where, with("u", u)); };
     friction.slip_force[forward] = graph_.multiply(coefficient(friction.rate), normal);

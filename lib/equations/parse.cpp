@@ -400,6 +400,15 @@ class Parser {
     const auto max = [&](Expression a, Expression b) { return graph_.function(Operation::max, a, b); };
     const auto min = [&](Expression a, Expression b) { return graph_.function(Operation::min, a, b); };
     const Expression zero = graph_.constant(0.0);
+    const auto number = [&](Expression e) {
+      const Node& node = graph_.node(e);
+      return node.operation == Operation::constant ? node.value : std::nan("");
+    };
+    if (text == "clamp" && number(arguments[1]) > number(arguments[2]))
+      reader_.refuse(token, fmt::format("clamp(E, least, most) has the least {} above the most {}", number(arguments[1]),
+                                        number(arguments[2])));
+    if (text == "deadzone" && number(arguments[1]) < 0.0)
+      reader_.refuse(token, fmt::format("deadzone(E, half) has the half width {}; allowed is >= 0", number(arguments[1])));
     if (text == "clamp") return max(arguments[1], min(arguments[2], arguments[0]));
     if (text == "deadzone")
       return graph_.add(max(graph_.subtract(arguments[0], arguments[1]), zero),

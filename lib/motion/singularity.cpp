@@ -56,13 +56,12 @@ std::optional<EquationError> find_sliding(const TextSystem& text, const Trajecto
   if (!made || back.continuous || back.from != there.to || back.to != there.from || last.t - before.t > same_instant)
     return std::nullopt;
   const std::string argument = back.name.substr(0, back.name.rfind(' '));  // behind it: rises or falls
-  return not_finite_error(text,
-                          {text.events[last.event].when,
-                           fmt::format("the motion slides along {} = 0, where the equations jump; write it as "
-                                       "[[friction]] or [[surfaces]]: it slides",
-                                       argument),
-                           true},
-                          last.t, last.x_minus);
+  return not_finite_error(
+      text,
+      {text.events[last.event].when,
+       fmt::format("the equations jump at {} = 0, where [[friction]] or [[surfaces]] are needed: the motion slides", argument),
+       true},
+      last.t, last.x_minus);
 }
 
 }  // namespace graze

@@ -541,6 +541,12 @@ law = { newton = 0.5 }
     return "[parameters]\ne = -0.5\n" + text.replace(text.find("0.5 }"), 3, "\"e\"");
   }();
   CHECK_THAT(call({"orbit", folder.write("named.toml", named)}).err, Contains("e") && Contains("[0, 1]"));
+  const auto replaced = [&](const std::string& law, const std::string& by) {
+    std::string text = mechanics;
+    return text.replace(text.find(law), law.size(), by);
+  };
+  CHECK_THAT(call({"orbit", folder.write("pulls.toml", replaced("newton = 0.5", "hertz = [\"-2\"]"))}).err,
+             Contains("the stiffness k_H of the stop wall is -2; allowed is >= 0"));
   const std::string computed = [&] {
     std::string text = mechanics;
     return "[parameters]\ne = 0.5\n" + text.replace(text.find("0.5 }"), 3, "\"3*e\"");
@@ -803,4 +809,31 @@ state = { y = 1 }
     REQUIRE(json["notes"].size() == 1);
     CHECK_THAT(json["notes"][0].get<std::string>(), Contains("stop and kick meet at tau = 7.51119123"));
   }
+}
+
+TEST_CASE("a motion that slides along a jump of sign says where, and how to write it (fixed)") {
+  const TemporaryFolder folder;
+  const std::string text = R"([system]
+states = ["x", "v"]
+forcing = "w"
+[parameters]
+w = 0.8
+[modes.free]
+equations = """
+  x' = v
+  v' = 0.8*cos(w*t) - x - FORCE
+"""
+[start]
+state = { x = 0.1, v = 0 }
+)";
+  const auto with = [&](const std::string& force) {
+    std::string out = text;
+    return folder.write("jump.toml", out.replace(out.find("FORCE"), 5, force));
+  };
+  const Outcome slides = call({"orbit", with("1.2*sign(v)"), "--quiet"});
+  CHECK(slides.code == 1);
+  CHECK_THAT(slides.err, Contains("jump.toml:6:") && Contains("the equations jump at v = 0") && Contains("[[friction]]"));
+  CHECK_THAT(call({"orbit", with("clamp(x, 1, -1)"), "--quiet"}).err,
+             Contains("jump.toml:9:") && Contains("clamp(E, least, most) has the least 1 above the most -1"));
+  CHECK_THAT(call({"orbit", with("deadzone(x, -0.1)"), "--quiet"}).err, Contains("has the half width -0.1; allowed is >= 0"));
 }

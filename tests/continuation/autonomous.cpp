@@ -201,3 +201,27 @@ TEST_CASE("where symmetry breaks without forcing, one of both mirror images is l
   CHECK(listed == 1);
   CHECK(branch_contains(system, *broken[0], pair[0].nodes, 151.0) != branch_contains(system, *broken[0], image, 151.0));
 }
+
+TEST_CASE("a branch of autonomous orbits goes on where its first node would reach a stop (fixed)") {
+  // Van der Pol's oscillator between two rigid stops.
+  SystemWriter writer;
+  writer.parameter("mu", "0.3");
+  writer.mechanics({"x"}, {"v"}, {{{"1"}}, {}, {{"1"}}, {"mu*(1 - x^2)*v"}});
+  writer.stop("right", "0.7 - x", "newton", {"0.8"}).stop("left", "0.7 + x", "newton", {"0.8"});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  for (const auto& [from, to] : {std::pair(0.3, 2.5), {1.0, 0.3}, {0.5, 1.5}}) {
+    INFO(from << " to " << to);
+    ContinuationOptions options;
+    options.parameter = "mu";
+    options.to = to;
+    options.switch_generations = 0;
+    const PeriodicOrbit orbit = attracting(system, parameters(system, {{"mu", from}}), vector({0.1, 0.5}));
+    const std::vector<Branch> branches = continue_orbit(system, orbit, options);
+    CHECK(branches[0].stop == BranchStop::reached_bound);
+    CHECK(points_of(branches[0], PointType::MX).empty());
+    const Trajectory settled = simulate(system, parameters(system, {{"mu", to}}), 0.0, vector({0.1, 0.5}), {.t_end = 400.0});
+    const Trajectory round = simulate(system, parameters(system, {{"mu", to}}), 0.0, settled.x, {.t_end = 50.0, .max_events = 3});
+    REQUIRE(round.events.size() == 3);
+    CHECK(branches[0].points.back().duration == Approx(round.events[2].t - round.events[0].t).epsilon(1e-9));
+  }
+}
