@@ -150,19 +150,19 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   Eigen::Index largest = 0;
   direction.head(direction.size() - 1).cwiseAbs().maxCoeff(&largest);  // the sign of a side must not depend on rounding
   if (direction[largest] * side < 0.0) direction = -direction;
-  for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 1e-3}) {
+  // The crossing branch need not be normal to this one. If no push along the normal leads to it, the first correction, which
+  // keeps the part along the normal, tells its direction.
+  for (const auto& [oblique, push] : std::initializer_list<std::pair<bool, double>>{
+           {false, 2e-4}, {false, 5e-5}, {false, 1e-5}, {false, 2e-6}, {false, 1e-3}, {true, 2e-4}, {true, 5e-5}, {true, 1e-5}}) {
     BranchStart start;
     start.step = push;
-    // The crossing branch need not be normal to this one. The first correction, which keeps the part along the normal, tells its
-    // direction.
-    Vector towards = direction;
-    double length = 0.0;
-    for (const double longest : {20.0, 1.5}) {
+    const auto corrected = [&](const Vector& towards) {
       start.u = located.u + push * towards;
-      length = correct(zero, towards, start.u, options).converged() ? weighted_norm(zero.weights, start.u - located.u) : 0.0;
-      if (length < 1.5 * push || !(length < longest * push)) break;
-      towards = (start.u - located.u) / length;
-    }
+      return correct(zero, towards, start.u, options).converged() ? weighted_norm(zero.weights, start.u - located.u) : 0.0;
+    };
+    double length = corrected(direction);
+    constexpr double most_oblique = 20.0;
+    if (oblique && length > 0.0 && length < most_oblique * push) length = corrected((start.u - located.u) / length);
     if (length == 0.0 || !(length < 1.5 * push) || !problem.is_motion(start.u)) continue;
     start.orientation = start.u - located.u;
     start.sequence = problem.sequence();
