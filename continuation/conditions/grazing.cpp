@@ -116,7 +116,8 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   const Vector u_dp = solve(-jacobian.col(size));
   located.family_dp.resize(size + 1);
   located.family_dp << u_dp, 1.0;
-  located.top_dp = at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi).col(0)) + at.h_dp;
+  located.top_dp =
+      at.h_dx.dot(touch.Phi * u_dp.segment(j * n, n) + equations.fixed_time_dp(j, touch.Phi, touch.Psi).col(0)) + at.h_dp;
   // The reset changes a state that arrives with unit normal speed by (D_x g - I) w, where w is the direction of that speed. A
   // soft contact is replaced by its limit of large stiffness: a hard contact that reverses the normal speed.
   Matrix reset_dx = Matrix::Identity(n, n);

@@ -18,9 +18,9 @@ struct Symmetry {
 };
 
 /// The symmetries of a system at p whose matrix is a signed permutation and whose shift is 0 or 1/2, without the identity.
-/// Sections that are only counted need not be symmetric. The symmetries are found by comparing the functions at many points, to rounding. In a system whose second half of the states
-/// are the rates of the first (mechanics), both halves are permuted alike, up to 4 coordinates. Other systems are searched up
-/// to 5 states; larger ones only for S = -1.
+/// Sections that are only counted need not be symmetric. The symmetries are found by comparing the functions at many points, to
+/// rounding. In a system whose second half of the states are the rates of the first (mechanics), both halves are permuted alike,
+/// up to 4 coordinates. Other systems are searched up to 5 states; larger ones only for S = -1.
 std::vector<Symmetry> symmetries(const HybridSystem& system, const Vector& p);
 
 /// The same for the field of some mode alone: the possible symmetries of motions that meet no guard, also before a single
