@@ -32,6 +32,11 @@ struct KeptState {
   double rounding(const Eigen::RowVectorXd& row) const {
     return less ? 1e-12 * std::max(1.0, row.lpNorm<Eigen::Infinity>()) : 0.0;
   }
+  /// Whether the map of all states keeps it.
+  bool kept_by(const Matrix& map) const {
+    const Eigen::RowVectorXd own = row(map);
+    return (own - gradient(map.cols())).lpNorm<Eigen::Infinity>() <= rounding(own);
+  }
 };
 
 /// All independent ones among n states for which keeps(KeptState) is true.

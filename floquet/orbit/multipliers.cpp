@@ -205,14 +205,10 @@ std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors
 std::vector<KeptState> kept_states(const MonodromyMatrix& monodromy) {
   const std::vector<double> dets = determinants(monodromy.factors, monodromy.log_dets).list;
   if (std::find(dets.begin(), dets.end(), 0.0) == dets.end()) return {};
-  const Eigen::Index n = monodromy.factors.front().rows();
   std::vector<Matrix> products;
   for (const Matrix& factor : monodromy.factors) products.push_back(products.empty() ? factor : Matrix(factor * products.back()));
-  return find_kept_states(n, [&](const KeptState& one) {
-    return std::all_of(products.begin(), products.end(), [&](const Matrix& product) {
-      const Eigen::RowVectorXd row = one.row(product);
-      return (row - one.gradient(n)).lpNorm<Eigen::Infinity>() <= one.rounding(row);
-    });
+  return find_kept_states(monodromy.factors.front().rows(), [&](const KeptState& one) {
+    return std::all_of(products.begin(), products.end(), [&](const Matrix& product) { return one.kept_by(product); });
   });
 }
 

@@ -27,10 +27,8 @@ std::vector<KeptState> kept_states(const ShootingEquations& equations) {
   for (int j = 0; j < equations.nodes(); ++j)
     if (equations.stretch(j).lost == 0) return {};
   return find_kept_states(equations.states(), [&](const KeptState& one) {
-    for (int j = 0; j < equations.nodes(); ++j) {
-      const Eigen::RowVectorXd row = one.row(equations.stretch(j).Phi);
-      if ((row - one.gradient(equations.states())).lpNorm<Eigen::Infinity>() > one.rounding(row)) return false;
-    }
+    for (int j = 0; j < equations.nodes(); ++j)
+      if (!one.kept_by(equations.stretch(j).Phi)) return false;
     return true;
   });
 }

@@ -113,12 +113,13 @@ bool SignatureEquations::evaluate(const Vector& u, int k, bool derivatives, Bloc
   block.next.resize(n_, n_ + 1);
   block.next << end_field, -Matrix::Identity(n_, n_);
   const auto free = static_cast<Eigen::Index>(free_.size());
-  const Vector period_dp = forcing_period_dp(system(), p);
+  const bool last = k + 1 == events();
+  const Vector period_dp = last ? forcing_period_dp(system(), p) : Vector();
   block.mismatch_dp.resize(n_, free);
   for (Eigen::Index j = 0; j < free; ++j) {
     const auto parameter = static_cast<Eigen::Index>(free_[static_cast<std::size_t>(j)]);
     block.mismatch_dp.col(j) = flight.Psi.col(j) + Phi * reset_dp.col(parameter);
-    if (k + 1 == events()) block.mismatch_dp.col(j) += end_field * (period_ * period_dp[parameter]);
+    if (last) block.mismatch_dp.col(j) += end_field * (period_ * period_dp[parameter]);
   }
   here.guard.dx(t, x, p, gradient);
   if (here.guard.dp) here.guard.dp(t, x, p, guard_dp);
