@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "support/one_impact_orbit.hpp"
-
 #include <graze/continuation/conditions/grazing.hpp>
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/lib/models/oscillator.hpp>
+
+#include "support/branches.hpp"
+#include "support/one_impact_orbit.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
 
 using namespace graze;
+using namespace graze::support;
 
 namespace {
 
@@ -29,15 +31,6 @@ Case oscillator(const char* law) {
 PeriodicOrbit settled(const Case& c, int period) {
   return shoot(c.system, c.p, settle(c.system, c.p, Vector::Zero(2)).state, period);
 }
-
-std::vector<const SpecialPoint*> of_type(const Branch& branch, PointType type) {
-  std::vector<const SpecialPoint*> list;
-  for (const SpecialPoint& point : branch.special_points)
-    if (point.type == type) list.push_back(&point);
-  return list;
-}
-
-std::string text(const SpecialPoint& point, const char* name) { return std::get<std::string>(point.details.at(name)); }
 
 /// eta at which the impactless amplitude equals r, for b = 0.05, r = 2, xi = 1 (DESIGN section 2).
 const double impactless_grazing = std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0);
@@ -64,18 +57,18 @@ TEST_CASE("the impactless orbit grazes where its amplitude equals the clearance 
     options.to = 0.7120;
     options.switch_generations = 0;
     const std::vector<Branch> branches = continue_orbit(c.system, orbit, options);
-    const auto grazings = of_type(branches.front(), PointType::GR);
+    const auto grazings = points_of(branches.front(), PointType::GR);
     INFO(law);
     REQUIRE(grazings.size() == 1);
     // Closed form; the rounding of the orbit moves the point by a few 1e-15.
-    CHECK(std::abs(grazings[0]->value - impactless_grazing) < 1e-13);
-    CHECK(grazings[0]->status == PointStatus::converged);
-    CHECK(text(*grazings[0], "kind") == "gained");
-    CHECK(text(*grazings[0], "scenario") == (std::string(law) == "newton" ? "persistence" : "smooth"));
-    CHECK(std::get<std::vector<double>>(grazings[0]->details.at("impacts")) == std::vector<double>{0.0, 1.0});
+    CHECK(std::abs(grazings[0].value - impactless_grazing) < 1e-13);
+    CHECK(grazings[0].status == PointStatus::converged);
+    CHECK(text_detail(grazings[0], "kind") == "gained");
+    CHECK(text_detail(grazings[0], "scenario") == (std::string(law) == "newton" ? "persistence" : "smooth"));
+    CHECK(std::get<std::vector<double>>(grazings[0].details.at("impacts")) == std::vector<double>{0.0, 1.0});
     if (std::string(law) == "newton") {
       REQUIRE(branches.size() == 2);
-      CHECK(branches[1].parent->label == grazings[0]->label);
+      CHECK(branches[1].parent->label == grazings[0].label);
       CHECK(branches[1].points.back().impacts == 1);
       CHECK(branches[1].stop == BranchStop::reached_bound);
     } else {
@@ -97,11 +90,11 @@ TEST_CASE("the error bar of a grazing covers the step errors of the general inte
     const PeriodicOrbit orbit = shoot(c.system, c.p, steady_response(c.p), 1, options.shooting);
     REQUIRE(orbit.converged());
     const std::vector<Branch> branches = continue_orbit(c.system, orbit, options);
-    const auto grazings = of_type(branches.front(), PointType::GR);
+    const auto grazings = points_of(branches.front(), PointType::GR);
     REQUIRE(grazings.size() == 1);
-    const double off = std::abs(grazings[0]->value - impactless_grazing);
-    CHECK(off < grazings[0]->precision);
-    CHECK(grazings[0]->precision < 3.0 * off + 1e-13);
+    const double off = std::abs(grazings[0].value - impactless_grazing);
+    CHECK(off < grazings[0].precision);
+    CHECK(grazings[0].precision < 3.0 * off + 1e-13);
   }
 }
 
@@ -118,9 +111,9 @@ TEST_CASE("the impactless orbit grazes also where its maximum lies next to phase
   options.to = 0.5;
   const std::vector<Branch> branches = continue_orbit(c.system, orbit, options);
   CHECK(branches[0].stop == BranchStop::grazing);
-  const auto grazings = of_type(branches[0], PointType::GR);
+  const auto grazings = points_of(branches[0], PointType::GR);
   REQUIRE(grazings.size() == 1);
-  CHECK(std::abs(grazings[0]->value - 0.4873521031679208) < 1e-12);  // ((1 - eta^2)^2 + 4 b^2 eta^2) r^2 = 1
+  CHECK(std::abs(grazings[0].value - 0.4873521031679208) < 1e-12);  // ((1 - eta^2)^2 + 4 b^2 eta^2) r^2 = 1
 }
 
 TEST_CASE("a soft contact passes through grazing: labels change at GR points and the branch continues") {
@@ -136,15 +129,15 @@ TEST_CASE("a soft contact passes through grazing: labels change at GR points and
     CHECK(branch.stop == BranchStop::reached_bound);
     CHECK(check_branch(c.system, branch).empty());
     // One grazing for each change of the label, and all have converged.
-    CHECK(of_type(branch, PointType::GR).size() + 1 == labels(branch).size());
-    for (const SpecialPoint* point : of_type(branch, PointType::GR)) {
-      CHECK(point->status == PointStatus::converged);
-      CHECK(point->precision < 1e-12);
-      CHECK(text(*point, "scenario") == "smooth");
+    CHECK(points_of(branch, PointType::GR).size() + 1 == labels(branch).size());
+    for (const SpecialPoint& point : points_of(branch, PointType::GR)) {
+      CHECK(point.status == PointStatus::converged);
+      CHECK(point.precision < 1e-12);
+      CHECK(text_detail(point, "scenario") == "smooth");
     }
   }
-  CHECK(of_type(branches[0], PointType::GR)[0]->value == Approx(impactless_grazing).epsilon(1e-14));
-  CHECK(of_type(branches[1], PointType::GR)[0]->value == Approx(0.910530).margin(2e-6));  // known to six digits
+  CHECK(points_of(branches[0], PointType::GR)[0].value == Approx(impactless_grazing).epsilon(1e-14));
+  CHECK(points_of(branches[1], PointType::GR)[0].value == Approx(0.910530).margin(2e-6));  // known to six digits
 }
 
 TEST_CASE("a located grazing is a tangency of the free motion for the general integrator too") {
@@ -159,7 +152,7 @@ TEST_CASE("a located grazing is a tangency of the free motion for the general in
     options.shooting.flow.kind = kind;
     const LocateResult found = locate(c.system, orbit, PointType::GR, 0.9105, 0.002, options);
     REQUIRE(found.point);
-    CHECK(text(*found.point, "kind") == "lost");
+    CHECK(text_detail(*found.point, "kind") == "lost");
     values[kind == FlowKind::general] = found.point->value;
     if (kind == FlowKind::general) continue;
     const double t = std::get<double>(found.point->details.at("time"));
@@ -182,15 +175,15 @@ TEST_CASE("restitution 0.8 in xi: fold and grazing 3e-5 apart agree with the clo
   options.to = 0.05;
   const std::vector<Branch> branches = continue_orbit(c.system, settled(c, 1), options);
   REQUIRE(branches.size() == 2);
-  const auto folds = of_type(branches[0], PointType::LP), grazings = of_type(branches[0], PointType::GR);
+  const auto folds = points_of(branches[0], PointType::LP), grazings = points_of(branches[0], PointType::GR);
   REQUIRE(folds.size() == 1);
   REQUIRE(grazings.size() == 1);
-  CHECK(folds[0]->status == PointStatus::converged);
-  CHECK(std::abs(folds[0]->value - exact.xi_fold()) < 1e-12);
-  CHECK(std::abs(grazings[0]->value - exact.xi_grazing()) < 1e-13);
-  CHECK(std::abs(grazings[0]->value - 0.1) < 1e-13);  // where the impactless amplitude xi / (2 b) equals r
-  CHECK(grazings[0]->value - folds[0]->value > 2e-5);
-  CHECK(text(*grazings[0], "scenario") == "nonsmooth-fold");
+  CHECK(folds[0].status == PointStatus::converged);
+  CHECK(std::abs(folds[0].value - exact.xi_fold()) < 1e-12);
+  CHECK(std::abs(grazings[0].value - exact.xi_grazing()) < 1e-13);
+  CHECK(std::abs(grazings[0].value - 0.1) < 1e-13);  // where the impactless amplitude xi / (2 b) equals r
+  CHECK(grazings[0].value - folds[0].value > 2e-5);
+  CHECK(text_detail(grazings[0], "scenario") == "nonsmooth-fold");
   CHECK(branches[0].stop == BranchStop::grazing);
   CHECK(labels(branches[1]) == std::vector<std::string>{"0/1"});
   CHECK(branches[1].points.front().value < 0.1);
@@ -224,12 +217,12 @@ TEST_CASE("the scenario of a lost impact follows the sign of sin(w n T) for both
         options.parameter = "xi";
         options.to = 1.05 * exact.xi_grazing();
         const std::vector<Branch> branches = continue_orbit(c.system, orbit, options);
-        const auto grazings = of_type(branches[0], PointType::GR);
+        const auto grazings = points_of(branches[0], PointType::GR);
         INFO("k_r " << k_r << " eta " << eta << " r " << r);
         REQUIRE(grazings.size() == 1);
-        CHECK(std::abs(grazings[0]->value - exact.xi_grazing()) < 1e-13);
+        CHECK(std::abs(grazings[0].value - exact.xi_grazing()) < 1e-13);
         const bool persistence = std::sin(exact.turn) > 0.0;
-        CHECK(text(*grazings[0], "scenario") == (persistence ? "persistence" : "nonsmooth-fold"));
+        CHECK(text_detail(grazings[0], "scenario") == (persistence ? "persistence" : "nonsmooth-fold"));
         ++seen[persistence];
       }
     }
@@ -245,10 +238,10 @@ TEST_CASE("the Newton oscillator: the unstable doubled branch of the subcritical
   options.to = 0.95;
   const std::vector<Branch> branches = continue_orbit(c.system, settled(c, 1), options);
   REQUIRE(branches.size() == 3);
-  const auto doublings = of_type(branches[0], PointType::PD);
+  const auto doublings = points_of(branches[0], PointType::PD);
   REQUIRE(doublings.size() == 1);
-  CHECK(std::abs(doublings[0]->value - 0.98631687344838721201) < 1e-12);  // data/reference.toml
-  CHECK(text(*doublings[0], "criticality") == "subcritical");
+  CHECK(std::abs(doublings[0].value - 0.98631687344838721201) < 1e-12);  // data/reference.toml
+  CHECK(text_detail(doublings[0], "criticality") == "subcritical");
   CHECK(branches[1].stop == BranchStop::grazing);
   CHECK_FALSE(branches[1].points.front().stable);
   CHECK(branches[1].stop_value == Approx(0.98718).margin(1e-5));  // known to five digits

@@ -24,14 +24,14 @@ using namespace graze::support;
 
 namespace {
 
-struct Case {
+struct Example {
   HybridSystem system;
   Vector p;
   Skeleton found;
 };
 
-Case skeleton_of(const char* law, double b_H, int threads = 2, int max_multiple = 0) {
-  Case c{make_oscillator("linear", law), {}, {}};
+Example skeleton_of(const char* law, double b_H, int threads = 2, int max_multiple = 0) {
+  Example c{make_oscillator("linear", law), {}, {}};
   c.p = default_parameters(c.system.parameters);
   for (const auto& [name, value] :
        std::initializer_list<std::pair<const char*, double>>{{"k_H", 100.0}, {"b_H", b_H}, {"k_r", 1.0}})
@@ -66,7 +66,7 @@ bool has(const Skeleton& found, PointType type, double value, double tolerance) 
   });
 }
 
-void check_graph(const Case& c) {
+void check_graph(const Example& c) {
   std::set<std::string> labels;
   for (const Branch& branch : c.found.graph.branches) {
     INFO("branch " << branch.id);
@@ -85,7 +85,7 @@ void check_graph(const Case& c) {
 }
 
 /// The special point again, with different nodes: twice the number, from another forcing phase. NaN if this does not converge.
-double second_way(const Case& c, const SpecialPoint& point, double section) {
+double second_way(const Example& c, const SpecialPoint& point, double section) {
   const PeriodicOrbit& orbit = point.orbit;
   const int n = orbit.period;
   OrbitProblem here(c.system, orbit.parameters, n, static_cast<int>(orbit.nodes.size()), oscillator_parameter::eta, 0.3, {},
@@ -120,7 +120,7 @@ double second_way(const Case& c, const SpecialPoint& point, double section) {
   return located.newton.converged() ? problem.value(located.u) : NAN;
 }
 
-void check_second_way(const Case& c) {
+void check_second_way(const Example& c) {
   for (const Branch& branch : c.found.graph.branches)
     for (const SpecialPoint& point : branch.special_points) {
       if (point.type != PointType::GR && point.type != PointType::PD && point.type != PointType::LP) continue;
@@ -139,7 +139,7 @@ void check_second_way(const Case& c) {
 }  // namespace
 
 TEST_CASE("skeleton of damped Hertz over the published range") {
-  const Case c = skeleton_of("hertz", 0.1);
+  const Example c = skeleton_of("hertz", 0.1);
   check_graph(c);
   // The figures in the issue, and those of data/reference.toml.
   CHECK(has(c.found, PointType::PD, 0.919542643087347, 1e-12));
@@ -157,7 +157,7 @@ TEST_CASE("skeleton of damped Hertz over the published range") {
 }
 
 TEST_CASE("skeleton of undamped Hertz: two folds with a grazing between them within 3e-4") {
-  const Case c = skeleton_of("hertz", 0.0);
+  const Example c = skeleton_of("hertz", 0.0);
   check_graph(c);
   CHECK(has(c.found, PointType::PD, 0.929365674294314, 1e-12));
   std::vector<double> near;
@@ -171,7 +171,7 @@ TEST_CASE("skeleton of undamped Hertz: two folds with a grazing between them wit
 }
 
 TEST_CASE("skeleton of Newton: every hard grazing is shared by the families on both of its sides") {
-  const Case c = skeleton_of("newton", 0.0, 1);
+  const Example c = skeleton_of("newton", 0.0, 1);
   check_graph(c);
   CHECK(has(c.found, PointType::GR, std::sqrt((1.99 - std::sqrt(1.99 * 1.99 - 3.0)) / 2.0), 1e-13));
   for (const SpecialPoint* point : of_type(c.found, PointType::GR)) {
@@ -214,7 +214,7 @@ TEST_CASE("skeleton of Newton: every hard grazing is shared by the families on b
     CHECK(beyond > 0);
   }
   // Identical bits on two threads.
-  const Case again = skeleton_of("newton", 0.0, 2);
+  const Example again = skeleton_of("newton", 0.0, 2);
   REQUIRE(again.found.graph.branches.size() == c.found.graph.branches.size());
   for (std::size_t k = 0; k < c.found.graph.branches.size(); ++k) {
     const Branch &a = c.found.graph.branches[k], &b = again.found.graph.branches[k];
@@ -228,7 +228,7 @@ TEST_CASE("skeleton of Newton: every hard grazing is shared by the families on b
 
 TEST_CASE("an interrupted graph continues from its branches to the same end") {
   // Without multiples; grazing_multiples.cpp tests the same with them.
-  Case c = skeleton_of("newton", 0.0, 2, 1);
+  Example c = skeleton_of("newton", 0.0, 2, 1);
   const std::vector<Branch>& whole = c.found.graph.branches;
   // As in a result file: only the states at phase 0.
   std::vector<Branch> kept(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));

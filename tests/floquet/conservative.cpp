@@ -7,6 +7,7 @@
 #include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
+#include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -18,12 +19,9 @@ using namespace graze::support;
 
 namespace {
 
-const HybridSystem& rigid() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
+Vector conservative() {
+  return parameters(newton_oscillator(), {{"k_r", 1.0}, {"b", 0.0}, {"xi", 1.0}, {"eta", 2.8}, {"r", -0.1}});
 }
-
-Vector conservative() { return parameters(rigid(), {{"k_r", 1.0}, {"b", 0.0}, {"xi", 1.0}, {"eta", 2.8}, {"r", -0.1}}); }
 
 }  // namespace
 
@@ -55,7 +53,7 @@ TEST_CASE("an island is not chaotic by 15 standard errors and no attractor is cl
   AttractorOptions options;
   options.transient = 100;
   options.lyapunov.max_periods = 40000;
-  const Attractor found = find_attractor(rigid(), conservative(), Vector{{-0.68771149, 0.365807336}}, options);
+  const Attractor found = find_attractor(newton_oscillator(), conservative(), Vector{{-0.68771149, 0.365807336}}, options);
   CHECK(found.type == AttractorType::undecided);
   CHECK(found.conservative);
   CHECK(found.motion == ConservativeMotion::island);
@@ -86,7 +84,7 @@ TEST_CASE("islands and the chaotic sea are classified as by an alignment index")
   options.lyapunov.max_periods = 40000;
   for (const Start& start : starts) {
     INFO("start " << start.x << ", " << start.v);
-    const Attractor found = find_attractor(rigid(), conservative(), Vector{{start.x, start.v}}, options);
+    const Attractor found = find_attractor(newton_oscillator(), conservative(), Vector{{start.x, start.v}}, options);
     CHECK(found.conservative);
     CHECK(found.motion == start.motion);
     CHECK((found.type == AttractorType::chaotic) == (start.motion == ConservativeMotion::chaotic_sea));
@@ -95,14 +93,14 @@ TEST_CASE("islands and the chaotic sea are classified as by an alignment index")
 
 TEST_CASE("at twice the natural period each motion without impact is an orbit and that through the start is found (fixed)") {
   // x = 4/3 cos(t/2) + A cos t + B sin t: period 4 pi for every A and B. The singular Jacobian of shooting must not move them.
-  const Vector p = parameters(rigid(), {{"k_r", 0.5}, {"b", 0.0}, {"xi", 1.0}, {"eta", 0.5}, {"r", 2.0}});
+  const Vector p = parameters(newton_oscillator(), {{"k_r", 0.5}, {"b", 0.0}, {"xi", 1.0}, {"eta", 0.5}, {"r", 2.0}});
   for (const double recurrence : {0.0, 1e-4}) {
     INFO("recurrence " << recurrence);
     AttractorOptions options;
     options.recurrence = recurrence;
     options.lyapunov.max_periods = 3000;
     for (const Vector& start : {Vector{{0.0, 0.0}}, Vector{{1.0, 0.25}}}) {
-      const Attractor found = find_attractor(rigid(), p, start, options);
+      const Attractor found = find_attractor(newton_oscillator(), p, start, options);
       CHECK(found.type == AttractorType::periodic);
       CHECK(found.motion == ConservativeMotion::neutral);
       CHECK(found.period == 1);
@@ -110,7 +108,7 @@ TEST_CASE("at twice the natural period each motion without impact is an orbit an
     }
   }
   BasinOptions options;
-  const Basins basins = find_attractors(rigid(), p, Matrix{{0.0, 0.5, 1.0}, {0.0, 0.1, 0.2}}, options);
+  const Basins basins = find_attractors(newton_oscillator(), p, Matrix{{0.0, 0.5, 1.0}, {0.0, 0.1, 0.2}}, options);
   CHECK(basins.attractors.size() == 1);
   CHECK(basins.lost == 0);
 }

@@ -24,7 +24,7 @@ using namespace graze::support;
 
 namespace {
 
-const ParameterGrid grid{{"eta", 0.70, 0.76, 12}, {"r", 1.8, 2.1, 6}};
+const ParameterGrid small_grid{{"eta", 0.70, 0.76, 12}, {"r", 1.8, 2.1, 6}};
 
 double clearance(const Vector& p) { return p[static_cast<Eigen::Index>(parameter_index(newton_oscillator().parameters, "r"))]; }
 
@@ -48,9 +48,9 @@ TEST_CASE("map work: pieces give the points of the whole map on any number of th
   const MapDirection follow = GENERATE(MapDirection::none, MapDirection::down);
   const int threads = GENERATE(1, 3);
   const std::vector<MapLayer> layers = {from_rest(follow), from_rest(MapDirection::up)};
-  const std::vector<MapPoint> whole = map_rows(newton_oscillator(), elastic(), grid, layers, 0, 6);
+  const std::vector<MapPoint> whole = map_rows(newton_oscillator(), elastic(), small_grid, layers, 0, 6);
   Finished finished;
-  MapWork map(newton_oscillator(), elastic(), grid, layers, {}, threads, finished.taker());
+  MapWork map(newton_oscillator(), elastic(), small_grid, layers, {}, threads, finished.taker());
   map.give(4, 2);
   map.give(0, 1);
   std::vector<std::thread> workers;
@@ -135,7 +135,7 @@ TEST_CASE("map work: the next piece begins while the last points of the one befo
                        MapDirection::none};
   Finished finished;
   std::vector<std::size_t> begun_at_end;
-  MapWork map(newton_oscillator(), elastic(), grid, {layer}, {}, 1,
+  MapWork map(newton_oscillator(), elastic(), small_grid, {layer}, {}, 1,
               [&](int, const std::vector<MapPoint>&) { begun_at_end.push_back(rows.size()); });
   CHECK(map.wants_more());
   map.give(0, 1);
@@ -156,7 +156,7 @@ TEST_CASE("map work: an exception in one computation ends the others and those t
                            return Vector{{0.0, 0.0}};
                          },
                          MapDirection::none};
-  MapWork map(newton_oscillator(), elastic(), grid, {thrower}, {}, 2, [](int, const std::vector<MapPoint>&) {});
+  MapWork map(newton_oscillator(), elastic(), small_grid, {thrower}, {}, 2, [](int, const std::vector<MapPoint>&) {});
   std::atomic<int> thrown{0};
   const auto work = [&] {
     try {

@@ -16,7 +16,7 @@ namespace {
 
 /// The reference has 22 digits, more than a double. Newton's method stops at the rounding of the map, a few 1e-15, and the
 /// error of the orbit is that times |(M - I)^-1|, below 100 for all of them.
-constexpr double state_tolerance = 1e-12;
+constexpr double state_margin = 1e-12;
 /// Multipliers change with the state, by 4e2 times its error for the period-24 orbit at 0.7116. Newton's error there is up to
 /// 3e-13 (rounding 5e-15 of the map over the distance of the multipliers from 1), which gives 1.1e-10.
 constexpr double multiplier_tolerance = 3e-10;
@@ -47,7 +47,7 @@ TEST_CASE("shooting from near every reference orbit finds its state, period and 
     CHECK(orbit.newton.status == NewtonStatus::converged);
     CHECK(orbit.period == reference.period);
     CHECK(orbit.impacts == reference.impacts);
-    CHECK(distance(orbit.state, reference.state) < state_tolerance);
+    CHECK(distance(orbit.state, reference.state) < state_margin);
     CHECK(orbit.admissible == Admissibility::admissible);
     CHECK(orbit.duration == Approx(reference.period * forcing_period(reference.system, reference.parameters)).epsilon(1e-15));
   }
@@ -134,7 +134,7 @@ TEST_CASE("single and multiple shooting find the same orbit for any number of no
       REQUIRE(orbit.converged());
       CHECK(orbit.nodes.size() == static_cast<std::size_t>(nodes));
       CHECK(orbit.states.size() == static_cast<std::size_t>(n));
-      CHECK(distance(orbit.state, reference.state) < state_tolerance);
+      CHECK(distance(orbit.state, reference.state) < state_margin);
       // Within a stretch of many periods the errors grow like the motion's own: a stretch of 24 periods costs two digits.
       const double grown = nodes * 10 < n ? 100.0 : 1.0;
       CHECK(distance(orbit.multipliers.values, reference.multipliers) < grown * multiplier_tolerance);

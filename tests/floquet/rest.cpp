@@ -8,6 +8,7 @@
 #include <graze/lib/motion/rest.hpp>
 
 #include "support/checks.hpp"
+#include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -21,14 +22,9 @@ namespace {
 
 constexpr double minus_infinity = -std::numeric_limits<double>::infinity();
 
-const HybridSystem& rigid() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
-}
-
 /// A preload of at least 0.3 acts on the stop at r = -1.
 Vector pressed(double k_r, double b = 0.02) {
-  return parameters(rigid(), {{"k_r", k_r}, {"b", b}, {"xi", 0.7}, {"eta", 0.8}, {"r", -1.0}});
+  return parameters(newton_oscillator(), {{"k_r", k_r}, {"b", b}, {"xi", 0.7}, {"eta", 0.8}, {"r", -1.0}});
 }
 
 const Vector rest = Vector{{-1.0, 0.0}};
@@ -48,7 +44,7 @@ TEST_CASE("a mass on a preloaded stop rests forever only where the preload never
     INFO("xi " << xi);
     Vector p = pressed(0.8);
     p[oscillator_parameter::xi] = xi;
-    Propagator propagator(rigid(), p);
+    Propagator propagator(newton_oscillator(), p);
     CHECK(permanent_rest(propagator, rest).has_value() == (std::abs(xi) < 1.0));
   }
 }
@@ -59,7 +55,7 @@ TEST_CASE("rest is an attractor with exponents minus infinity and not undecided 
       INFO("k_r " << k_r << ", lanes " << in_lanes);
       AttractorOptions options = quick();
       if (!in_lanes) options.lyapunov.flow.kind = FlowKind::alone;
-      const Attractor found = find_each_attractor(rigid(), {{pressed(k_r), rest}}, options).front();
+      const Attractor found = find_each_attractor(newton_oscillator(), {{pressed(k_r), rest}}, options).front();
       REQUIRE(found.type == AttractorType::periodic);
       CHECK(found.rests);
       CHECK(found.state == rest);
@@ -71,22 +67,22 @@ TEST_CASE("the time average of a mass at rest is minus infinity too") {
   AttractorOptions options;
   options.transient = 20;
   options.periods_on_orbit = 100;
-  const Attractor found = find_attractor(rigid(), pressed(0.8), rest, options);
+  const Attractor found = find_attractor(newton_oscillator(), pressed(0.8), rest, options);
   CHECK(found.time_average.exponents == std::vector<double>{minus_infinity, minus_infinity});
 }
 
 TEST_CASE("with elastic impacts a disturbance of rest decays by damping alone at -2b/3 and -4b/3") {
   constexpr double b = 0.02;
   const Vector p = pressed(1.0, b);
-  const Attractor found = find_each_attractor(rigid(), {{p, rest}}, quick()).front();
+  const Attractor found = find_each_attractor(newton_oscillator(), {{p, rest}}, quick()).front();
   REQUIRE(found.type == AttractorType::periodic);
   CHECK(found.rests);
   REQUIRE(found.exponents.size() == 2);
   CHECK(found.exponents[0] == Approx(-2.0 * b / 3.0).epsilon(1e-12));
   CHECK(found.exponents[1] == Approx(-4.0 * b / 3.0).epsilon(1e-12));
   // The speed of a bouncing mass, from a simulation, at the same forcing phase: there the preload is the same.
-  Propagator propagator(rigid(), p);
-  const double T = forcing_period(rigid(), p);
+  Propagator propagator(newton_oscillator(), p);
+  const double T = forcing_period(newton_oscillator(), p);
   Vector x{{-1.0, -0.01}};
   Transition run;
   std::vector<double> speeds;
@@ -106,12 +102,12 @@ TEST_CASE("a mass that bounces lower and lower on its preloaded stop reaches res
       INFO("k_r " << k_r << ", lanes " << in_lanes);
       AttractorOptions options = quick();
       if (!in_lanes) options.lyapunov.flow.kind = FlowKind::alone;
-      const Attractor found = find_each_attractor(rigid(), {{pressed(k_r), Vector{{-1.5, 0.2}}}}, options).front();
+      const Attractor found = find_each_attractor(newton_oscillator(), {{pressed(k_r), Vector{{-1.5, 0.2}}}}, options).front();
       CHECK(found.termination == Termination::time);
       CHECK(found.rests);
       CHECK(found.state == rest);
     }
-  const Settled settled = settle(rigid(), pressed(1.0), Vector{{-1.5, 0.2}}, {.periods = 1000});
+  const Settled settled = settle(newton_oscillator(), pressed(1.0), Vector{{-1.5, 0.2}}, {.periods = 1000});
   CHECK(settled.termination == Termination::time);
   CHECK(settled.state == rest);
 }
@@ -122,7 +118,7 @@ TEST_CASE("starts that end at rest are recognised at once") {
     Matrix starts(2, 64);
     for (Eigen::Index i = 0; i < starts.cols(); ++i)
       starts.col(i) << -1.0 - 0.1 * static_cast<double>(i % 8), 0.1 * static_cast<double>(i / 8) - 0.4;
-    const Basins basins = find_attractors(rigid(), pressed(k_r), starts, {});
+    const Basins basins = find_attractors(newton_oscillator(), pressed(k_r), starts, {});
     REQUIRE(basins.attractors.size() == 1);
     CHECK(basins.attractors.front().attractor.rests);
     CHECK(basins.attractors.front().count == 64);
@@ -131,7 +127,7 @@ TEST_CASE("starts that end at rest are recognised at once") {
 }
 
 TEST_CASE("without dissipation rest is neutral") {
-  const Attractor found = find_attractor(rigid(), pressed(1.0, 0.0), rest, {.transient = 10, .periods_on_orbit = 0});
+  const Attractor found = find_attractor(newton_oscillator(), pressed(1.0, 0.0), rest, {.transient = 10, .periods_on_orbit = 0});
   CHECK(found.rests);
   CHECK(found.conservative);
   CHECK(found.motion == ConservativeMotion::neutral);

@@ -32,7 +32,7 @@ struct Known {
   std::array<std::size_t, 4> orbits;
 };
 
-Known damped_hertz() {
+Known dense_grid_of_damped_hertz() {
   HybridSystem system = make_oscillator("linear", "hertz");
   Vector p = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});
   return {std::move(system), std::move(p), {1, 2, 0, 1}};
@@ -92,7 +92,7 @@ void measure(const Known& known, int side) {
 
 }  // namespace
 
-TEST_CASE("the search finds all orbits of a dense grid: damped Hertz in chaos") { measure(damped_hertz(), 16); }
+TEST_CASE("the search finds all orbits of a dense grid: damped Hertz in chaos") { measure(dense_grid_of_damped_hertz(), 16); }
 TEST_CASE("the search finds all orbits of a dense grid: Newton's law with coexistence") { measure(elastic_newton(), 60); }
 TEST_CASE("the search finds all orbits of a dense grid: a beam") { measure(beam(), 12); }
 

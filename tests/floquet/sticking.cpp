@@ -7,6 +7,7 @@
 #include <graze/lib/motion/rest.hpp>
 
 #include "support/checks.hpp"
+#include "support/newton_oscillator.hpp"
 #include "support/pressed_mass.hpp"
 #include "support/system_texts.hpp"
 
@@ -22,15 +23,10 @@ using namespace graze::support;
 
 namespace {
 
-const HybridSystem& rigid() {
-  static const HybridSystem system = make_oscillator("linear", "newton");
-  return system;
-}
-
 PeriodicOrbit sticking_orbit(double k_r) {
-  const Vector p = parameters(rigid(), {{"k_r", k_r}, {"eta", 0.4}, {"r", 0.5}});
-  const Settled settled = settle(rigid(), p, Vector::Zero(2), {.periods = 20});
-  return shoot(rigid(), p, settled.state, 1);
+  const Vector p = parameters(newton_oscillator(), {{"k_r", k_r}, {"eta", 0.4}, {"r", 0.5}});
+  const Settled settled = settle(newton_oscillator(), p, Vector::Zero(2), {.periods = 20});
+  return shoot(newton_oscillator(), p, settled.state, 1);
 }
 
 }  // namespace
@@ -71,9 +67,9 @@ TEST_CASE("the events of a sticking orbit include the sticking and the release")
 }
 
 TEST_CASE("a sticking orbit beyond the published parameters is released where the force falls below the clearance") {
-  const Vector p = parameters(rigid(), {{"k_r", 0.6}, {"eta", 0.3}, {"r", 1.0}, {"b", 0.1}, {"xi", 1.7}});
-  const Settled settled = settle(rigid(), p, Vector::Zero(2), {.periods = 20});
-  const PeriodicOrbit orbit = shoot(rigid(), p, settled.state, 1);
+  const Vector p = parameters(newton_oscillator(), {{"k_r", 0.6}, {"eta", 0.3}, {"r", 1.0}, {"b", 0.1}, {"xi", 1.7}});
+  const Settled settled = settle(newton_oscillator(), p, Vector::Zero(2), {.periods = 20});
+  const PeriodicOrbit orbit = shoot(newton_oscillator(), p, settled.state, 1);
   REQUIRE(orbit.converged());
   bool released = false;
   for (const EventRecord& event : orbit.events) {
@@ -90,9 +86,9 @@ TEST_CASE("a sticking orbit beyond the published parameters is released where th
 
 TEST_CASE("no orbit sticks if the force never presses the mass against the barrier") {
   // xi = r: the contact force touches zero at phase 0 and is negative elsewhere.
-  const Vector p = parameters(rigid(), {{"k_r", 0.5}, {"eta", 0.4}, {"r", 1.0}});
-  const Settled settled = settle(rigid(), p, Vector::Zero(2), {.periods = 50});
-  const PeriodicOrbit orbit = shoot(rigid(), p, settled.state, 1);
+  const Vector p = parameters(newton_oscillator(), {{"k_r", 0.5}, {"eta", 0.4}, {"r", 1.0}});
+  const Settled settled = settle(newton_oscillator(), p, Vector::Zero(2), {.periods = 50});
+  const PeriodicOrbit orbit = shoot(newton_oscillator(), p, settled.state, 1);
   REQUIRE(orbit.converged());
   for (const EventRecord& event : orbit.events) CHECK(event.kind == EventKind::impact);
   CHECK(orbit.checks.liouville >= 0.0);
@@ -113,8 +109,8 @@ TEST_CASE("the impacts of a chattering series shrink by the coefficient of resti
 }
 
 TEST_CASE("the search finds a sticking orbit once") {
-  const Vector p = parameters(rigid(), {{"k_r", 0.5}, {"eta", 0.4}, {"r", 0.5}});
-  const SearchResult result = search_orbits(rigid(), p, 1, {.patience = 200});
+  const Vector p = parameters(newton_oscillator(), {{"k_r", 0.5}, {"eta", 0.4}, {"r", 0.5}});
+  const SearchResult result = search_orbits(newton_oscillator(), p, 1, {.patience = 200});
   REQUIRE(result.orbits.size() == 1);
   CHECK(same_orbit(result.orbits[0], sticking_orbit(0.5), 1e-10));
   CHECK(result.complete);

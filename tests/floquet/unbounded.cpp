@@ -12,28 +12,24 @@
 using namespace graze;
 using namespace graze::support;
 
-namespace {
-
-const Vector rest = Vector::Zero(2);
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("undamped resonance is reported as growth and not as an unsettled transient") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const auto far = parameters(system, {{"b", 0.0}, {"eta", 1.0}, {"r", 1e9}});
-  CHECK(settle(system, far, rest, {.periods = 100}).termination == Termination::resonance);
-  CHECK(find_attractor(system, far, rest, {.transient = 100}).termination == Termination::resonance);
+  CHECK(settle(system, far, Vector::Zero(2), {.periods = 100}).termination == Termination::resonance);
+  CHECK(find_attractor(system, far, Vector::Zero(2), {.transient = 100}).termination == Termination::resonance);
   // The barrier is reached long before, or damping limits the amplitude.
   for (const auto& p :
        {parameters(system, {{"b", 0.0}, {"eta", 1.0}, {"r", 5.0}}), parameters(system, {{"b", 1e-3}, {"eta", 1.0}, {"r", 1e9}})})
-    CHECK(settle(system, p, rest, {.periods = 100}).termination == Termination::time);
+    CHECK(settle(system, p, Vector::Zero(2), {.periods = 100}).termination == Termination::time);
 }
 
 TEST_CASE("escape from a softening spring is reported as such") {
   const HybridSystem system = make_oscillator("cantilever", "hertz");
   const Vector p = parameters(system, {{"b", 0.05}, {"beta", -1.0}, {"xi", 2.0}, {"eta", 0.8}, {"r", 0.5}});
-  CHECK(settle(system, p, rest).termination == Termination::escape);
-  CHECK(find_attractor(system, p, rest).termination == Termination::escape);
+  CHECK(settle(system, p, Vector::Zero(2)).termination == Termination::escape);
+  CHECK(find_attractor(system, p, Vector::Zero(2)).termination == Termination::escape);
 }
 
 TEST_CASE("a search in which no motion lasts a period ends at once") {

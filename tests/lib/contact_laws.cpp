@@ -19,7 +19,7 @@ template <class Test> void for_each_system(const Test& test) {
 }
 
 /// Parameter values drawn within their ranges, away from the ends: differences need room on both sides.
-Vector draw(const HybridSystem& system, Random& random) {
+Vector drawn_within_range(const HybridSystem& system, Random& random) {
   Vector p = default_parameters(system.parameters);
   for (std::size_t i = 0; i < system.parameters.size(); ++i) {
     const ParameterInfo& info = system.parameters[i];
@@ -37,7 +37,7 @@ TEST_CASE("derivatives of fields, guards, resets and coefficients agree with dif
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
     Random random(4);
     for (int i = 0; i < 20; ++i) {
-      const Vector p = draw(system, random);
+      const Vector p = drawn_within_range(system, random);
       const double t = random(-3.0, 6.0), r = p[oscillator_parameter::r];
       for (std::size_t mode = 0; mode < system.modes.size(); ++mode) {
         // Inside the mode: short of the barrier in flight, beyond it in contact. The depth keeps sqrt smooth over the
@@ -74,7 +74,7 @@ TEST_CASE("every flow returns the field of its mode") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
     Random random(5);
     for (int i = 0; i < 10; ++i) {
-      const Vector p = draw(system, random);
+      const Vector p = drawn_within_range(system, random);
       const double t = random(0.0, 9.0), r = p[oscillator_parameter::r];
       for (std::size_t mode = 0; mode < system.modes.size(); ++mode) {
         const Vector x = vector({mode == 0 ? r - random(0.0, 2.0) : r + random(0.0, 1.0), random(-2.0, 2.0)});
@@ -98,7 +98,7 @@ TEST_CASE("soft laws are continuous at the barrier in state and field and declar
       REQUIRE(event.continuous);
       REQUIRE_FALSE(event.reset.map);
       for (int i = 0; i < 10; ++i) {
-        const Vector p = draw(system, random);
+        const Vector p = drawn_within_range(system, random);
         const Vector x = vector({p[oscillator_parameter::r], random(-2.0, 2.0)});
         const double t = random(0.0, 9.0);
         Vector before(2), after(2);

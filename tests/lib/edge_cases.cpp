@@ -14,7 +14,7 @@ using namespace graze::support;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Calls `test(system, law, options)` for every law on every oscillator with both kinds of flow.
 template <class Test> void for_each_system(const Test& test) {

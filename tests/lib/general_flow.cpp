@@ -14,7 +14,7 @@ using namespace graze::support;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Free flight of the cantilever up to its barrier, in long double: time and speed of the impact.
 struct Impact {

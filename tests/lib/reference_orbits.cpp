@@ -12,7 +12,7 @@ using namespace graze::support;
 
 namespace {
 
-std::vector<double> numbers(const toml::array& list) {
+std::vector<double> doubles(const toml::array& list) {
   std::vector<double> values;
   for (const toml::node& node : list) values.push_back(*node.value<double>());
   return values;
@@ -28,8 +28,8 @@ void check_orbit(const toml::table& entry, FlowKind kind) {
     p[static_cast<Eigen::Index>(parameter_index(system.parameters, name.str()))] = *value.value<double>();
   if (const auto digits = entry["eta_digits"].value<std::string>()) p[oscillator_parameter::eta] = std::stod(*digits);
   const auto period = *entry["period"].value<int>();
-  const std::vector<double> state = numbers(*entry["state"].as_array()), times = numbers(*entry["impact_times"].as_array()),
-                            speeds = numbers(*entry["impact_speeds"].as_array());
+  const std::vector<double> state = doubles(*entry["state"].as_array()), times = doubles(*entry["impact_times"].as_array()),
+                            speeds = doubles(*entry["impact_speeds"].as_array());
   Propagator propagator(system, p, {}, {.kind = kind});
   Transition transition;
   const Vector x0 = vector({state[0], state[1]});
@@ -51,7 +51,7 @@ void check_orbit(const toml::table& entry, FlowKind kind) {
   const toml::array& rows = *entry["monodromy"].as_array();
   Matrix M(2, 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    const std::vector<double> row = numbers(*rows[i].as_array());
+    const std::vector<double> row = doubles(*rows[i].as_array());
     M.row(static_cast<Eigen::Index>(i)) << row[0], row[1];
   }
   REQUIRE((transition.Phi - M).norm() < 20.0 * grown * (1.0 + M.norm()) / *std::min_element(speeds.begin(), speeds.end()));
