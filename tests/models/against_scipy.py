@@ -66,7 +66,7 @@ BRANCHES = {
     "capsule": (["--to", "0.5", "--switch", "0"], 8, {}, 2e-6),
     "coco-impact-oscillator": (["--param", "A", "--to", "0.09"], 2, {"LP1": 0.0999707536283, "GR1": 0.1}, 2e-7),
     "coco-stick-slip": (["--param", "V", "--from", "0.5", "--to", "0.6", "--settle", "1000"], 1, {}, DIFFERENCE),
-    "coco-bang-bang-duffing": (["--to", "0.84"], 2, {}, DIFFERENCE),
+    "coco-bang-bang-duffing": (["--to", "0.84", "--switch", "0"], 2, {}, DIFFERENCE),
     "newton-beam": (["--to", "0.5", "--switch", "0"], 1, {}, DIFFERENCE),
     "two-mass-impact-pair": (["--to", "1.16", "--switch", "0"], 1, {}, DIFFERENCE),
 }
