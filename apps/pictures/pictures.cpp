@@ -88,7 +88,7 @@ Picture picture_of(const Json& result, const std::string& kind) {
     std::vector<std::string> known;
     for (const PictureKind& candidate : picture_kinds())
       if (std::find(known.begin(), known.end(), candidate.schema) == known.end()) known.push_back(candidate.schema);
-    throw std::invalid_argument(fmt::format("there is no picture of \"{}\"; there is of {}", schema, fmt::join(known, ", ")));
+    throw std::invalid_argument(fmt::format("there is no picture of {:?}; there is of {}", schema, fmt::join(known, ", ")));
   }
   std::string wanted = kind.empty() ? names.front() : kind;
   const std::string command = text_of(result, "command");

@@ -44,7 +44,7 @@ PublishedAttractor read_attractor(TomlSection& section) {
   PublishedAttractor out;
   out.type = required_text(section, "attractor", "\"impactless\", \"periodic\" or \"chaotic\"");
   if (out.type != "impactless" && out.type != "periodic" && out.type != "chaotic")
-    throw std::invalid_argument(fmt::format("{}: attractor = \"{}\" must be \"impactless\", \"periodic\" or \"chaotic\"",
+    throw std::invalid_argument(fmt::format("{}: attractor = {:?} must be \"impactless\", \"periodic\" or \"chaotic\"",
                                             section.where("attractor"), out.type));
   if (const auto z = section.numbers("z")) {
     const auto whole = [](double value) { return value >= 0.0 && value <= 1e6 && std::floor(value) == value; };
@@ -65,7 +65,7 @@ PublishedWindow read_window(TomlSection& section) {
   out.direction = section.text("direction").value_or("both");
   if (out.direction != "up" && out.direction != "down" && out.direction != "both")
     throw std::invalid_argument(
-        fmt::format("{}: direction = \"{}\" must be \"up\", \"down\" or \"both\"", section.where("direction"), out.direction));
+        fmt::format("{}: direction = {:?} must be \"up\", \"down\" or \"both\"", section.where("direction"), out.direction));
   out.attractor = read_attractor(section);
   out.note = section.text("note").value_or("");
   section.finish();
@@ -159,7 +159,7 @@ Problem problem_of(const Published& published, const std::string& system, std::o
   const auto found =
       std::find_if(published.systems.begin(), published.systems.end(), [&](const auto& s) { return s.id == system; });
   if (found == published.systems.end())
-    throw std::invalid_argument(fmt::format("{}: there is no system \"{}\"", published.file, system));
+    throw std::invalid_argument(fmt::format("{}: there is no system {:?}", published.file, system));
   std::vector<std::pair<std::string, double>> values = found->parameters;
   if (beta) values.emplace_back("beta", *beta);
   if (eta) values.emplace_back("eta", *eta);
@@ -171,7 +171,7 @@ Problem problem_of(const Published& published, const std::string& system, std::o
     try {
       set_parameter(problem, name, value);
     } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(fmt::format("{}: system \"{}\": {}", published.file, system, error.what()));
+      throw std::invalid_argument(fmt::format("{}: system {:?}: {}", published.file, system, error.what()));
     }
   }
   problem.file = published.file;

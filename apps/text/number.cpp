@@ -65,8 +65,8 @@ bool is_beyond_double(std::string_view text) {
 }
 
 std::string no_number(std::string_view text) {
-  return is_beyond_double(text) ? fmt::format("\"{}\" is {}; give another number", text, beyond_double)
-                                : fmt::format("\"{}\" is not a number (0.05, 36/35 and 2*pi are)", text);
+  return is_beyond_double(text) ? fmt::format("{:?} is {}; give another number", text, beyond_double)
+                                : fmt::format("{:?} is not a number (0.05, 36/35 and 2*pi are)", text);
 }
 
 std::optional<int> parse_count(std::string_view text) {

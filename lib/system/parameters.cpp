@@ -46,7 +46,7 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
 
 std::string unknown_name(std::string_view what, std::string_view given, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(given, candidates);
-  return fmt::format("there is no {} \"{}\"{}; choose one of {}", what, given,
+  return fmt::format("there is no {} {:?}{}; choose one of {}", what, given,
                      nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest), fmt::join(candidates, ", "));
 }
 
