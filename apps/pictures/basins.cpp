@@ -48,7 +48,7 @@ BasinPlane plane_of(const Json& result) {
   if (!basins.contains("plane")) return plane;
   const Json& states = result.at("states");
   for (const std::size_t i : {0, 1}) {
-    plane.name[i] = basins["plane"].at(i);
+    plane.name[i] = basins.at("plane").at(i);
     plane.state[i] = static_cast<std::size_t>(std::find(states.begin(), states.end(), plane.name[i]) - states.begin());
   }
   return plane;
@@ -80,7 +80,7 @@ Picture draw_basins(const Json& result) {
       }
   else
     for (std::size_t k = 0; k < basins.at("starts").size(); ++k) {
-      const Json& start = basins["starts"][k];
+      const Json& start = basins.at("starts").at(k);
       starts.push_back({start.at(plane.state[0]).get<double>(), start.at(plane.state[1]).get<double>()});
       colour.push_back(colour_index(basins.at("attractor").at(k), attractors.size()));
     }

@@ -22,7 +22,7 @@ bool is_marked(const Json& special_point) { return special_point.at("type") != "
 std::vector<double> positions(const Json& point) {
   std::vector<double> list;
   if (point.contains("states"))
-    for (const Json& state : point["states"]) list.push_back(state.at(0));
+    for (const Json& state : point.at("states")) list.push_back(state.at(0));
   else
     list.push_back(point.at("state").at(0));
   return list;

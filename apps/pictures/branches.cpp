@@ -33,7 +33,7 @@ Picture draw_branches(const Json& result) {
   picture.x_label = x_label;
   picture.y_label = state_label(result, 0, true);
   for (std::size_t b = 0; b < result.at("branches").size(); ++b) {
-    const Json& branch = result["branches"][b];
+    const Json& branch = result.at("branches").at(b);
     const std::vector<Drawn> points = points_in_order(branch);
     std::map<Stroke, bool> titled;
     for (std::size_t k = 0; !points.empty() && k < positions(*points.front().point).size(); ++k)
@@ -46,9 +46,9 @@ Picture draw_branches(const Json& result) {
         titled[curve.stroke] = true;
         picture.curves.push_back(std::move(curve));
       }
-    for (const Json& point : branch["special_points"]) {
+    for (const Json& point : branch.at("special_points")) {
       if (!is_marked(point)) continue;
-      std::string text = fmt::format("{} {}", point.at("label").get<std::string>(), rounded(point["value"], 8));
+      std::string text = fmt::format("{} {}", point.at("label").get<std::string>(), rounded(point.at("value"), 8));
       for (const double x : positions(point)) {
         picture.labels.push_back({point.at("value"), x, text, mark_of(point), colour_of(b)});
         text.clear();  // the other iterates are marked without words
@@ -123,7 +123,7 @@ Picture draw_multipliers(const Json& result) {
   const bool by_period = result.at("branches").size() > most_branch_colours;
   std::map<int, std::size_t> curves;  // index of the curve of each period, if all branches of a period share one
   if (by_period) {
-    for (const Json& branch : result["branches"]) curves[branch.at("period")];
+    for (const Json& branch : result.at("branches")) curves[branch.at("period")];
     for (auto& [period, curve] : curves) {
       curve = picture.curves.size();
       picture.curves.push_back(multiplier_curve(curve, fmt::format("period {}", period)));
@@ -134,7 +134,7 @@ Picture draw_multipliers(const Json& result) {
   std::array<double, 2> values = {HUGE_VAL, -HUGE_VAL};
   bool outside = false;
   for (std::size_t b = 0; b < result.at("branches").size(); ++b) {
-    const Json& branch = result["branches"][b];
+    const Json& branch = result.at("branches").at(b);
     const int period = branch.at("period");
     const std::size_t at = by_period ? curves.at(period) : b;
     if (!by_period)

@@ -38,7 +38,7 @@ Picture draw_list(const Json& result) {
       const auto at = static_cast<double>(known - picture.x_names.begin());
       if (known == picture.x_names.end()) picture.x_names.push_back(name);
       if (check.at("disagreement").is_number())
-        disagreement.points.push_back({at, std::max(smallest, check["disagreement"].get<double>()), 0.0});
+        disagreement.points.push_back({at, std::max(smallest, check.at("disagreement").get<double>()), 0.0});
       limit.points.push_back({at, check.at("bound"), 0.0});
     }
   picture.x_range = {{-0.5, static_cast<double>(picture.x_names.size()) - 0.5}};
@@ -115,6 +115,9 @@ std::vector<std::pair<std::string, const Json*>> hard_limits(const Json& result,
 bool has_steps(const Json& result) { return !hard_limits(result, "steps").empty(); }
 bool has_restitution(const Json& result) { return !hard_limits(result, "restitution").empty(); }
 
+/// The last element. @throws Json::exception if there is none, in contrast to back().
+const Json& last_of(const Json& list) { return list.at(list.size() - 1); }
+
 Picture draw_restitution(const Json& result) {
   Picture picture;
   picture.title = "Equivalent coefficient of restitution";
@@ -126,7 +129,7 @@ Picture draw_restitution(const Json& result) {
   const Json& hard = *list.front().second;
   Curve computed, stiff, closed;
   computed.title = fmt::format("computed, k_H = {}", rounded(result.at("parameters").at("k_H").get<double>(), 6));
-  stiff.title = fmt::format("computed, k_H = {}", rounded(hard.at("steps").back().at("k_H").get<double>(), 6));
+  stiff.title = fmt::format("computed, k_H = {}", rounded(last_of(hard.at("steps")).at("k_H").get<double>(), 6));
   stiff.stroke = Stroke::marks;
   stiff.size = 1.2;
   stiff.mark = 6;

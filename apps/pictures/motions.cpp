@@ -191,14 +191,14 @@ Picture draw_point(const Json& result) {
   there["parameters"][name] = point.at("value");
   Sampled motion = sampled_orbit(problem_of(there), point, portrait_plane(there), point.at("label").get<std::string>() + ": ");
   Picture picture = phase_portrait(there, {motion});
-  picture.title = fmt::format("{} at {} = {}", point["label"].get<std::string>(), name, rounded(point["value"], 13));
+  picture.title = fmt::format("{} at {} = {}", point.at("label").get<std::string>(), name, rounded(point.at("value"), 13));
   return picture;
 }
 
 Picture draw_section(const Json& result) {
   Picture picture;
-  const bool impacts = result.at("section") == "impact", stroboscopic = result["section"] == "stroboscopic";
-  const Json& name = result["section"] == "event" ? result["options"]["section"] : result["section"];
+  const bool impacts = result.at("section") == "impact", stroboscopic = result.at("section") == "stroboscopic";
+  const Json& name = result.at("section") == "event" ? result.at("options").at("section") : result.at("section");
   picture.title = fmt::format("Poincaré section ({})", name.get<std::string>());
   picture.subtitle = model_title(result);
   picture.x_label = impacts ? "forcing phase eta tau mod 2 pi (radians)" : state_label(result, 0, stroboscopic);
@@ -209,7 +209,7 @@ Picture draw_section(const Json& result) {
   const std::size_t count = result.at("points").size();
   curve.size = count > 5000 ? 0.15 : count > 500 ? 0.35 : 0.8;
   double highest = -HUGE_VAL, lowest = HUGE_VAL, slowest = HUGE_VAL, fastest = -HUGE_VAL;
-  for (const Json& point : result["points"]) {
+  for (const Json& point : result.at("points")) {
     curve.points.push_back({point.at(0), point.at(1), 0.0});
     slowest = std::min(slowest, curve.points.back()[1]);
     fastest = std::max(fastest, curve.points.back()[1]);

@@ -119,8 +119,8 @@ Claim claim_of_widest_chaos(const Published& published, const std::string& syste
   claim.verdict = all && at == clearance ? Verdict::agrees : Verdict::differs;
   claim.computed = fmt::format("widest at r = {}: {} of eta", rounded(at, 4), rounded(widest, 3));
   for (const Json& row : claim.details["rows"])
-    if (row["r"] == clearance)
-      claim.computed += fmt::format("; at r = {}: {}", rounded(clearance, 4), rounded(row["width"].get<double>(), 3));
+    if (row.at("r") == clearance)
+      claim.computed += fmt::format("; at r = {}: {}", rounded(clearance, 4), rounded(row.at("width").get<double>(), 3));
   return claim;
 }
 
