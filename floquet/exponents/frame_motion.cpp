@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <random>
 
 namespace graze {
 
@@ -14,26 +15,35 @@ namespace {
 
 double square(double x) { return x * x; }
 
+/// A frame with no direction of its own: each vector has a part in every invariant subspace, so that the first ones grow fastest
+/// and the last ones are lost. The axes would not do where some states do not act on the others.
+Matrix generic_frame(Eigen::Index directions) {
+  std::mt19937 draw(1);
+  const Matrix entries = Matrix::NullaryExpr(directions, directions, [&] { return static_cast<double>(draw()) * 0x1p-31 - 1.0; });
+  return Eigen::HouseholderQR<Matrix>(entries).householderQ();
+}
+
 }  // namespace
 
-TangentFrame::TangentFrame(std::size_t directions)
-    : Q_(Matrix::Identity(static_cast<Eigen::Index>(directions), static_cast<Eigen::Index>(directions))), growth_(directions) {}
+TangentFrame::TangentFrame(std::size_t directions) : growth_(directions), kept_(directions) {
+  const auto n = static_cast<Eigen::Index>(directions);
+  Q_ = n > 2 ? generic_frame(n) : Matrix(Matrix::Identity(n, n));
+}
 
 const std::vector<double>& TangentFrame::orthonormalise(double log_det, double liouville, int lost) {
   is_measured_ = true;
   if (Q_.rows() == 2) {
-    orthonormalise_with<Eigen::Matrix2d>();
+    orthonormalise_pair();
     if (std::isfinite(log_det) && std::isfinite(growth_[0])) {
       growth_[1] = log_det - growth_[0];
       return growth_;
     }
   } else {
-    orthonormalise_with<Matrix>();
-    std::fill(growth_.end() - lost, growth_.end(), -std::numeric_limits<double>::infinity());  // in place of rounding
+    orthonormalise_kept(static_cast<std::size_t>(lost));
   }
   const double others = std::accumulate(growth_.begin(), growth_.end() - 1, 0.0);
   constexpr double shrunk = 1e-3;  // relative to the first; below, the entries' own error (1e-13) would be visible
-  const bool shrinks = lost == 0 && growth_.back() < growth_.front() + std::log(shrunk);
+  const bool shrinks = kept_ == growth_.size() && lost == 0 && growth_.back() < growth_.front() + std::log(shrunk);
   if (shrinks && growth_.size() > 1 && std::isfinite(liouville) && std::isfinite(others)) {
     growth_.back() = liouville - others;
     is_measured_ = false;
@@ -41,14 +51,29 @@ const std::vector<double>& TangentFrame::orthonormalise(double log_det, double l
   return growth_;
 }
 
-template <class Square> void TangentFrame::orthonormalise_with() {
-  const Eigen::HouseholderQR<Square> qr{Square(Q_)};
-  for (std::size_t i = 0; i < growth_.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    growth_[i] = std::log(std::abs(qr.matrixQR()(k, k)));
-  }
-  const Square Q = qr.householderQ();
+void TangentFrame::orthonormalise_pair() {
+  const Eigen::HouseholderQR<Eigen::Matrix2d> qr{Eigen::Matrix2d(Q_)};
+  for (Eigen::Index k = 0; k < 2; ++k) growth_[static_cast<std::size_t>(k)] = std::log(std::abs(qr.matrixQR()(k, k)));
+  const Eigen::Matrix2d Q = qr.householderQ();
   Q_ = Q;
+}
+
+void TangentFrame::orthonormalise_kept(std::size_t lost) {
+  constexpr double rounding = 1e-10;  // relative to the vector: what is left of one that depends on those before it
+  const auto kept = static_cast<Eigen::Index>(kept_);
+  const Eigen::HouseholderQR<Matrix> qr(Q_.leftCols(kept));
+  const auto growth = qr.matrixQR().diagonal().cwiseAbs();
+  const Vector sizes = Q_.leftCols(kept).colwise().norm();
+  const std::size_t most = kept_ > lost ? kept_ - lost : 0;  // what remains if all are lost anew
+  kept_ = std::min(kept_, growth_.size() - lost);
+  while (kept_ > most) {
+    const auto last = static_cast<Eigen::Index>(kept_) - 1;
+    if (growth[last] > rounding * sizes[last]) break;
+    --kept_;
+  }
+  std::fill(growth_.begin(), growth_.end(), -std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < kept_; ++i) growth_[i] = std::log(growth[static_cast<Eigen::Index>(i)]);
+  Q_.leftCols(kept) = qr.householderQ() * Matrix::Identity(Q_.rows(), kept);
 }
 
 double ReturnTimes::error(std::size_t direction, const BatchMeans& growth, double rate) const {

@@ -13,12 +13,16 @@
 
 namespace graze {
 
-/// Tangent vectors, orthonormalised periodically.
+/// Tangent vectors, orthonormalised periodically. One that is lost, because the motion forgets a direction (rank of the
+/// derivative), stays lost: the others span the image of the product of all derivatives.
 class TangentFrame {
  public:
   explicit TangentFrame(std::size_t directions);
 
-  void advance(const Matrix& Phi) { Q_ = Phi * Q_; }
+  void advance(const Matrix& Phi) {
+    const auto kept = static_cast<Eigen::Index>(kept_);
+    Q_.leftCols(kept) = Phi * Q_.leftCols(kept);
+  }
 
   /// ln of the growth of each direction since the last call; -infinity for a lost one. `log_det`: ln|det| of the matrices since
   /// then, factor by factor, or not finite. With two directions it gives the second one, which next to grazing (stretched by
@@ -31,10 +35,12 @@ class TangentFrame {
   bool is_measured() const { return is_measured_; }
 
  private:
-  template <class Square> void orthonormalise_with();
+  void orthonormalise_pair();
+  void orthonormalise_kept(std::size_t lost);
 
   Matrix Q_;
   std::vector<double> growth_;
+  std::size_t kept_;  ///< vectors that are not lost: the first ones
   bool is_measured_ = true;
 };
 

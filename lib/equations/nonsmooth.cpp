@@ -31,7 +31,8 @@ constexpr double least_divisor = 1e-150;
 struct Switch {
   Expression argument;
   bool jumps = false;
-  bool breaks = false;  ///< the divisor of a quotient in a bounded function, or the cut of atan2: other arguments jump there
+  bool breaks = false;    ///< the divisor of a quotient in a bounded function, or the cut of atan2: other arguments jump there
+  bool vanishes = false;  ///< of sign or step, and identically zero for some signs of the others, as in a dead zone
 };
 /// A quotient in atan or tanh; its divisor is `side` times the argument of a switch.
 struct InnerQuotient {
@@ -111,9 +112,11 @@ struct Splitter {
       case Operation::abs:
         branch = positive ? n.a : graph.negate(n.a);
         break;
-      case Operation::sign:
-        branch = graph.constant(positive ? 1.0 : -1.0);
+      case Operation::sign: {
+        const bool vanishes = graph.is_constant(graph.substitute(n.a, replacement), 0.0);  // as in a dead zone
+        branch = graph.constant(vanishes ? 0.0 : positive ? 1.0 : -1.0);
         break;
+      }
       case Operation::step:
         branch = graph.constant(positive ? 1.0 : 0.0);
         break;
@@ -178,6 +181,20 @@ class Separation {
   }
 
   std::string shown(Expression e) const { return to_text(graph_, e, symbols_, longest_argument); }
+
+  bool vanishes(const Splitter& splitter, std::size_t i, const Signs& signs) {
+    return graph_.is_constant(splitter.argument(i, signs), 0.0);
+  }
+
+  /// The combination behind a change of sign i. Those of arguments that vanish on one side change with it.
+  template <class Combinations>
+  std::optional<Signs> across(const Splitter& splitter, const Combinations& combinations, const Signs& at, std::size_t i) {
+    Signs behind = flipped(at, i);
+    for (std::size_t j = i + 1; j < at.size() && !combinations.contains(behind); ++j)
+      if (splitter.switches[j].vanishes) behind[j] = -behind[j];
+    if (!combinations.contains(behind)) return std::nullopt;
+    return behind;
+  }
 
   /// The number and the side of the switch with an argument, which is added if there is none.
   static std::pair<std::size_t, int> switch_of(Splitter& splitter, Expression argument) {
@@ -292,7 +309,10 @@ class Separation {
       if (bounds(graph_, own, parameters_).upper < 0.0) continue;
       if (sign < 0 && graph_.is_constant(own, 0.0)) continue;  // it vanishes here: both branches coincide
       const bool refuted = std::any_of(arguments.begin(), arguments.end(), [&](Expression earlier) {
-        return bounds(graph_, normal_form(graph_, graph_.add(earlier, own)), parameters_).upper < 0.0;
+        const Expression sum = normal_form(graph_, graph_.add(earlier, own));
+        // Both zero: so is a switch that vanishes elsewhere only where its sign changes.
+        if (splitter.switches[i].vanishes && graph_.is_constant(sum, 0.0) && !graph_.is_constant(own, 0.0)) return true;
+        return bounds(graph_, sum, parameters_).upper < 0.0;
       });
       if (refuted) continue;
       signs.push_back(sign);
@@ -322,6 +342,9 @@ class Separation {
     const std::vector<Expression> divisors = passed_divisors(m, plain);
     split_.push_back({divisors.empty() ? plain : find_switches(m, divisors), {}, {}, {}, {}, out_.modes.size()});
     SplitMode& mode = split_.back();
+    for (const Signs& at : combinations_of(mode.splitter, m))
+      for (std::size_t j = 0; j < at.size(); ++j)
+        if (mode.splitter.switches[j].jumps && vanishes(mode.splitter, j, at)) mode.splitter.switches[j].vanishes = true;
     const Splitter& splitter = mode.splitter;
     const std::vector<Signs> combinations = combinations_of(splitter, m);
     const std::vector<Expression> parts = roots(m);
@@ -337,11 +360,11 @@ class Separation {
       changed = false;
       for (std::size_t i = 0; i < count; ++i)
         for (const Signs& at : combinations) {
-          const Signs other = flipped(at, i);
-          if (matters[i] || !values.contains(other)) continue;
-          bool makes_difference = values.at(at) != values.at(other);
+          const auto other = across(splitter, values, at, i);
+          if (matters[i] || !other) continue;
+          bool makes_difference = values.at(at) != values.at(*other);
           for (std::size_t j = i + 1; j < count; ++j)
-            makes_difference = makes_difference || (matters[j] && splitter.argument(j, at) != splitter.argument(j, other));
+            makes_difference = makes_difference || (matters[j] && splitter.argument(j, at) != splitter.argument(j, *other));
           if (makes_difference) matters[i] = changed = true;
         }
     }
@@ -361,9 +384,9 @@ class Separation {
       for (const Signs& at : combinations) {
         std::vector<std::pair<int, std::size_t>> key{{0, part_of[at]}};
         for (std::size_t i = 0; i < count; ++i) {
-          const auto other = part_of.find(flipped(at, i));
-          const bool leads_away = other != part_of.end() && other->second != part_of[at];
-          key.emplace_back(leads_away ? at[i] : 0, leads_away ? other->second : 0);
+          const auto other = across(splitter, part_of, at, i);
+          const bool leads_away = other && part_of.at(*other) != part_of.at(at);
+          key.emplace_back(leads_away ? at[i] : 0, leads_away ? part_of.at(*other) : 0);
         }
         finer[at] = with_neighbours.emplace(std::move(key), with_neighbours.size()).first->second;
       }
@@ -380,8 +403,8 @@ class Separation {
       mode.representatives.push_back(one);
       mode.decisive.emplace_back(count, false);
       for (std::size_t i = 0; i < count; ++i) {
-        const auto other = part_of.find(flipped(one, i));
-        mode.decisive.back()[i] = splitter.switches[i].breaks || (other != part_of.end() && other->second != part_of[one]);
+        const auto other = across(splitter, part_of, one, i);
+        mode.decisive.back()[i] = splitter.switches[i].breaks || (other && part_of.at(*other) != part_of.at(one));
       }
     }
     mode.class_of = std::move(part_of);
@@ -553,12 +576,17 @@ class Separation {
         event.from = mode.first + number;
         event.guard = signs[i] > 0 ? graph_.negate(argument) : argument;
         for (std::size_t j = 0; j < pieces_.modes[m].field.size(); ++j) event.map.push_back(graph_.state(j));
-        event.continuous = !mode.splitter.switches[i].jumps;
         event.when = event.reset = pieces_.modes[m].place;
+        const auto behind = across(mode.splitter, mode.class_of, signs, i);
+        bool jumps = mode.splitter.switches[i].jumps;
+        for (std::size_t j = i + 1; j < signs.size() && behind; ++j)
+          jumps = jumps || (mode.splitter.switches[j].vanishes &&
+                            vanishes(mode.splitter, j, signs) != vanishes(mode.splitter, j, *behind));
+        event.continuous = !jumps;
         // Where arguments jump, the signs of others change as well.
         const std::vector<Reached> targets = mode.splitter.switches[i].breaks
                                                  ? reached(event, event.map, mode, mode, number, i)
-                                                 : std::vector<Reached>{{mode.first + mode.class_of.at(flipped(signs, i)), {}}};
+                                                 : std::vector<Reached>{{mode.first + mode.class_of.at(behind.value()), {}}};
         if (targets.size() > 1 || targets[0].mode != event.from) add_event(event, targets, {{}});
       }
     }

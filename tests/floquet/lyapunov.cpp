@@ -9,10 +9,12 @@
 #include <graze/lib/numerics/log_product.hpp>
 
 #include "support/checks.hpp"
+#include "support/system_texts.hpp"
 #include "support/two_mass_oscillator.hpp"
 
 #include <catch2/catch.hpp>
 
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -140,6 +142,49 @@ TEST_CASE("a lost direction has the exponent minus infinity") {
   const LyapunovSpectrum spectrum = lyapunov_spectrum(system, p, start.state, {.min_periods = 100, .max_periods = 1000});
   CHECK(spectrum.exponents[1] == -std::numeric_limits<double>::infinity());
   CHECK(spectrum.liouville_residual == -1.0);
+}
+
+TEST_CASE("a held mass loses only its own exponents, whatever the order of the masses (fixed)") {
+  // x hits its wall. y rests on a seat or is held by friction and does not act on x.
+  const auto exponents = [](const std::vector<std::string>& masses, bool seat) {
+    SystemWriter writer;
+    writer.system.name = "held";
+    writer.forcing("eta").parameter("eta", "3.4");
+    std::vector<std::string> speeds, forces;
+    for (const std::string& mass : masses) {
+      speeds.push_back(mass == "x" ? "v" : "w");
+      forces.push_back(mass == "x" ? "cos(eta*t) - 0.05*v - 1.1*x + 0.1" : seat ? "3 + 0.1*x" : "0.01*x");
+    }
+    const std::size_t n = masses.size();
+    std::vector<std::vector<std::string>> mass(n, std::vector<std::string>(n, "0"));
+    const auto none = mass;
+    for (std::size_t i = 0; i < n; ++i) mass[i][i] = "1";
+    writer.mechanics(masses, speeds, {mass, none, none, forces}).stop("wall", "-x", "newton", {"0.8"});
+    if (n > 1) seat ? writer.stop("seat", "1 - y", "newton", {"0.4"}) : writer.friction("floor", "w", "1", "0.3", "0.3");
+    const HybridSystem system = equations::make_system(writer.system).system;
+    Vector start = Vector::Constant(static_cast<Eigen::Index>(2 * n), 0.2);
+    for (std::size_t i = 0; i < n; ++i)
+      if (masses[i] == "x") start[static_cast<Eigen::Index>(i)] = -0.1;
+    const Vector p = default_parameters(system.parameters);
+    const Settled settled = settle(system, p, start, {.periods = 100});
+    REQUIRE(settled.termination == Termination::time);
+    return lyapunov_spectrum(system, p, settled.state, {.aligning = 200, .standard_error = 0.0, .max_periods = 4000}).exponents;
+  };
+  const std::vector<double> alone = exponents({"x"}, true);
+  REQUIRE(alone[0] > 0.2);
+  constexpr double minus_infinity = -std::numeric_limits<double>::infinity();
+  for (const std::vector<std::string>& masses : {std::vector<std::string>{"x", "y"}, {"y", "x"}}) {
+    INFO(masses[0] << " first");
+    const std::vector<double> resting = exponents(masses, true), stuck = exponents(masses, false);
+    CHECK(std::abs(resting[0] - alone[0]) < 0.03);  // chaos over 4000 periods: standard errors of 0.005
+    CHECK(std::abs(resting[1] - alone[1]) < 0.03);
+    CHECK(resting[2] == minus_infinity);
+    CHECK(resting[3] == minus_infinity);
+    CHECK(std::abs(stuck[0] - alone[0]) < 0.03);
+    CHECK(std::abs(stuck[1]) < 1e-12);
+    CHECK(std::abs(stuck[2] - alone[1]) < 0.03);
+    CHECK(stuck[3] == minus_infinity);
+  }
 }
 
 TEST_CASE("the stopping rule of the source works and misuse of exponents is refused in one sentence") {

@@ -116,6 +116,27 @@ TEST_CASE("sign and step: the field jumps and the saltation through it agrees wi
   for (const Event& event : smooth.system.events) REQUIRE(event.continuous);
 }
 
+TEST_CASE("the sign of what is zero in a whole region is zero there (fixed)") {
+  const auto zone = [](double x) { return x > 0.3 ? x - 0.3 : x < -0.3 ? x + 0.3 : 0.0; };
+  const auto sign = [](double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; };
+  const std::vector<std::pair<std::string, std::function<double(double, double)>>> forces = {
+      {"sign(deadzone(x, 0.3))", [&](double x, double) { return sign(zone(x)); }},
+      {"-sign(deadzone(v, 0.3))", [&](double, double v) { return -sign(zone(v)); }},
+      {"sign(max(x, 0))", [&](double x, double) { return sign(std::max(x, 0.0)); }},
+      {"-0.5*sign(v*max(x, 0))", [&](double x, double v) { return -0.5 * sign(v * std::max(x, 0.0)); }},
+      {"sign(min(x, 0) + max(v, 0))", [&](double x, double v) { return sign(std::min(x, 0.0) + std::max(v, 0.0)); }}};
+  for (const auto& [text, force] : forces) {
+    INFO(text);
+    const equations::TextSystem read = equations::make_system(forced(text).system);
+    require_same_field(read, [&](double, const Vector& x, const Vector&) { return force(x[0], x[1]); });
+    const Vector p = parameters(read.system, {{"xi", 1.7}});
+    const Trajectory run = simulate(read.system, p, 0.0, vector({0.2, 1.1}), {.t_end = 12.0});
+    REQUIRE(run.termination == Termination::time);
+    REQUIRE(run.events.size() > 2);
+    REQUIRE_THAT(check_transition(read.system, p, 0.0, 12.0, vector({0.2, 1.1}), 1e-7, 1e-5), all_agree());
+  }
+}
+
 TEST_CASE("the sign of a quotient changes at the zeros of its divisor too (fixed)") {
   const HybridSystem quotient = equations::make_system(forced("-sign(0.3/(0.5 - x))").system).system,
                      plain = equations::make_system(forced("-sign(0.5 - x)").system).system;
