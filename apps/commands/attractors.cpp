@@ -298,7 +298,7 @@ void put_basins(Json& json, const Basins& basins, const std::vector<QuantityValu
 }
 
 /// The result of an earlier run with the same options.
-Basins earlier_basins(const Json& earlier, const std::string& folder, const Json& head) {
+Basins earlier_basins(const Json& earlier, const std::string& folder, const Json& head, std::size_t states) {
   check_same_run(earlier, head, folder);
   Basins basins;
   try {
@@ -306,6 +306,8 @@ Basins earlier_basins(const Json& earlier, const std::string& folder, const Json
       CoexistingAttractor found;
       found.attractor.termination = Termination::time;
       read(found_columns(), json, found);
+      if (!has_states(found.attractor, states))
+        throw Json::type_error::create(302, "type must be an attractor of this system", &json);
       basins.attractors.push_back(std::move(found));
     }
     for (const Json& row : earlier.at("basins").at("attractor")) {
@@ -430,7 +432,7 @@ int run(const Options& given, const Console& console) {
   result.json = result_head("attractors/1", "attractors", problem, described(problem, plane, options, axes));
   folder.check_free_for(result.json);
   Basins basins;
-  if (!options.resume.empty()) basins = earlier_basins(folder.earlier(), options.resume, result.json);
+  if (!options.resume.empty()) basins = earlier_basins(folder.earlier(), options.resume, result.json, problem.system.states);
   if (!basins.outcomes.empty() && basins.outcomes.size() != count)
     throw_not_resumable(options.resume, "attractors", "is damaged; compute it anew");
   const auto with_basins = [&, head = result.json](Status status, const std::string& message) {

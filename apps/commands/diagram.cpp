@@ -151,8 +151,12 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
     const bool same = same_options(result, skeleton_json(options), "max_step");
     earlier.skeleton_done = text_of(whole ? result.at("parts") : result, whole ? "skeleton" : "status") == "done" && same;
     earlier.cut_off = value_of<std::vector<CutOff>>(result.at("cut_off"));
+    if (earlier.skeleton_done) {  // it will be read when it is shown
+      for (const char* key : skeleton_keys) result.at(key);
+      skeleton_text(result.at("search"), result.at("seeds").size(), {}, {}, options.parameter);
+    }
     if (same && result.contains("seed_search")) earlier.seeds = seeds_from(result, problem, options.parameter);
-    if (whole) earlier.rows = value_of<std::vector<SweepRow>>(result.at("rows"));
+    if (whole) earlier.rows = rows_from(result.at("rows"), problem.system.states);
   } catch (const std::exception&) {
     refuse("is damaged; compute it anew");
   }

@@ -36,11 +36,11 @@ std::vector<SweepDirection> directions(const std::string& name) {
 }
 
 /// The rows of an earlier run with the same options.
-std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folder, const Json& head) {
+std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folder, const Json& head, std::size_t states) {
   check_same_run(earlier, head, folder);
   std::vector<SweepRow> rows;
   try {
-    rows = value_of<std::vector<SweepRow>>(earlier.at("rows"));
+    rows = rows_from(earlier.at("rows"), states);
   } catch (const Json::exception&) {
     throw_not_resumable(folder, "sweep", "is damaged; compute it anew");
   }
@@ -74,7 +74,7 @@ int run(const Options& given, const Console& console) {
   folder.check_free_for(result.json);
   result.json["parameter"] = options.parameter;
   std::vector<SweepRow> so_far;
-  if (!options.resume.empty()) so_far = earlier_rows(folder.earlier(), options.resume, result.json);
+  if (!options.resume.empty()) so_far = earlier_rows(folder.earlier(), options.resume, result.json, problem.system.states);
   const auto with_status = [head = result.json](const SweepOutcome& swept) {
     Json json = head;
     set_status(json, swept.status, swept.message);

@@ -18,6 +18,7 @@ namespace graze::apps {
 
 namespace {
 
+constexpr int longest_drawn = 4096;                                         // forcing periods of an orbit
 constexpr int samples_per_period = 600;                                     // enough for a smooth arc in a short contact
 constexpr std::size_t most_samples_per_period = 2400, most_samples = 9000;  // of a trajectory: larger ones become an image
 
@@ -50,7 +51,9 @@ std::array<double, 3> in_plane(double tau, const Vector& x, const StatePair& pla
 
 /// An orbit of a result, simulated again from its state.
 Sampled sampled_orbit(const Problem& problem, const Json& orbit, const StatePair& plane, const std::string& name) {
-  const int period = orbit.at("period");
+  const int period = value_of<int>(orbit.at("period"));
+  if (period > longest_drawn)
+    throw std::invalid_argument(fmt::format("an orbit of {} periods is not drawn; allowed are {}", period, longest_drawn));
   const Vector state = vector_from(orbit.at("state"));
   const Motion motion = run_motion(problem.system, problem.parameters, state,
                                    {.periods = period, .samples = samples_per_period, .stretch = orbit.value("duration", 0.0)});

@@ -192,6 +192,9 @@ Picture draw_starts(const Table& table) {
     x.take(starts.back()[0]);
     v.take(starts.back()[1]);
     const int id = parse_count(row[attractor]).value_or(0);
+    if (id > static_cast<std::ptrdiff_t>(table.rows.size()))
+      throw std::invalid_argument(
+          fmt::format("attractor {} in a table of {} starts; the attractors are numbered from 1", id, table.rows.size()));
     // 0 is for lost motions; starts beyond the barrier and those that were not run get no dot.
     colour.push_back(id > 0 || row[type] == "lost" ? id : -1);
     if (colour.back() < 0) continue;

@@ -113,6 +113,12 @@ Columns<Attractor> exponents_columns() {
            [=](A& a, const MaybeNumbers& values) { a.standard_errors = numbers(values, -infinity); }}};
 }
 
+bool has_states(const Attractor& attractor, std::size_t states) {
+  const auto as_many = [&](std::size_t size) { return size == 0 || size == states; };
+  return attractor.state.size() == static_cast<Eigen::Index>(states) && as_many(attractor.multipliers.size()) &&
+         as_many(attractor.exponents.size()) && as_many(attractor.standard_errors.size());
+}
+
 std::string attractor_name(const Attractor& attractor) {
   if (attractor.motion == ConservativeMotion::neutral)
     return "neutral " + (attractor.rests ? std::string("rest") : z_label(attractor.impacts, attractor.period));

@@ -45,6 +45,9 @@ template <> struct JsonForm<Attractor> : RecordForm<Attractor, attractor_columns
   }
 };
 
+/// Whether an attractor that was read is one of a system with so many states.
+bool has_states(const Attractor& attractor, std::size_t states);
+
 /// "z = 2/3"; "z = ∞/1" for an orbit that sticks; "chaotic", "undecided".
 std::string attractor_name(const Attractor& attractor);
 

@@ -67,6 +67,15 @@ Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured)
   return list;
 }
 
+std::vector<SweepRow> rows_from(const Json& rows, std::size_t states) {
+  std::vector<SweepRow> list = value_of<std::vector<SweepRow>>(rows);
+  const auto fits = [&](const Vector& x) { return x.size() == static_cast<Eigen::Index>(states); };
+  for (const SweepRow& row : list)
+    if (!has_states(row.attractor, states) || !fits(row.end) || !std::all_of(row.states.begin(), row.states.end(), fits))
+      throw Json::type_error::create(302, "type must be a row of this system", &rows);
+  return list;
+}
+
 Json rows_schema() { return list_schema(with_quantities(schema_of(row_columns()))); }
 
 Table sweep_overview(const std::vector<SweepRow>& rows, const std::string& parameter, const RowQuantities& measured) {

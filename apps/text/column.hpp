@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <iterator>
 #include <map>
@@ -46,7 +47,14 @@ Json or_null(const Json& schema);
 template <class V> struct JsonForm {
   static_assert(std::is_arithmetic_v<V> || std::convertible_to<V, std::string_view> || std::is_same_v<V, Json>);
   static Json json(const V& value) { return value; }
-  static V value(const Json& json) { return json.get<V>(); }
+  static V value(const Json& json) {
+    if constexpr (std::is_integral_v<V> && !std::is_same_v<V, bool>) {
+      const bool fits = json.is_number_unsigned() ? std::in_range<V>(json.get<std::uint64_t>())
+                                                  : json.is_number_integer() && std::in_range<V>(json.get<std::int64_t>());
+      if (!fits) throw Json::type_error::create(302, "type must be a whole number, and not too large", &json);
+    }
+    return json.get<V>();
+  }
   static void write(const V& value, JsonText& text) { text.value(value); }
   static void cells(const V& value, std::string& line) requires(!std::is_same_v<V, Json>) {
     line += ',';
