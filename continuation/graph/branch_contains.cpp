@@ -3,6 +3,7 @@
 #include <graze/continuation/problems/signature_problem.hpp>
 
 #include <algorithm>
+#include <complex>
 
 namespace graze {
 
@@ -79,9 +80,10 @@ OrbitShape in_own_duration(OrbitShape shape) {
   return shape;
 }
 
-/// The same for an autonomous orbit, from states between its events and from its duration, which is corrected.
-std::optional<OrbitShape> corrected_autonomous(const HybridSystem& system, const Vector& p, std::size_t parameter,
-                                               std::vector<Vector> states, double& duration) {
+/// The same from states between the events and from the duration, which is corrected without forcing: for an autonomous orbit,
+/// and for one that sticks.
+std::optional<OrbitShape> corrected_in_states(const HybridSystem& system, const Vector& p, std::size_t parameter,
+                                              std::vector<Vector> states, double& duration) {
   if (!correct_states(system, p, static_cast<int>(states.size()), parameter, states, duration)) return std::nullopt;
   return in_own_duration(shape_of(system, p, states, duration));
 }
@@ -90,6 +92,12 @@ std::vector<Vector> between(const std::vector<Vector>& a, const std::vector<Vect
   std::vector<Vector> out = a;
   for (std::size_t k = 0; k < a.size(); ++k) out[k] += s * (b[k] - a[k]);
   return out;
+}
+
+/// Whether sticking determines the orbit: it forgets every disturbance.
+bool forgets_all(const BranchPoint& point) {
+  const std::vector<std::complex<double>> own = nontrivial(point.multipliers);
+  return std::all_of(own.begin(), own.end(), [](std::complex<double> mu) { return mu == 0.0; });
 }
 
 }  // namespace
@@ -129,10 +137,11 @@ bool branch_contains(const HybridSystem& system, const Branch& branch, const std
     const OrbitShape guess = between(first, second->shape, s);
     const std::optional<AlignedShape> orbit = aligned(*here, guess);
     if (!orbit || orbit->distance > 0.5 * second->distance + rounding) continue;
-    if (guess.sticks) return true;  // the ends of its sticking determine the orbit
+    if (guess.sticks && forgets_all(a) && forgets_all(b)) return true;
     const std::optional<OrbitShape> found =
-        guess.autonomous ? corrected_autonomous(system, at(value), parameter, between(a.states, b.states, s), duration)
-                         : corrected(system, at(value), parameter, guess, duration);
+        guess.autonomous || guess.sticks
+            ? corrected_in_states(system, at(value), parameter, between(a.states, b.states, s), duration)
+            : corrected(system, at(value), parameter, guess, duration);
     if (!found) continue;
     if (guess.autonomous) here = from_one_state();
     const std::optional<AlignedShape> same = aligned(*found, guess.autonomous ? *here : orbit->shape);

@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
+#include <string_view>
 
 namespace graze {
 
@@ -102,27 +104,17 @@ bool holds_all(const HybridSystem& system, std::size_t mode) {
   return holding_event(system, mode) && (system.states == 2 || system.modes[mode].constraints.size() >= system.states);
 }
 
-/// Impacts and entries that are not part of a complete chatter, the series before its stick event; the events of an orbit are
-/// cyclic. Sticking by friction involves no accumulation of impacts.
+/// Impacts and entries at stops that no complete chatter brings to rest within the orbit. The impacts of such a chatter are
+/// infinitely many; events elsewhere may come between them, in an order that changes along a branch. Sticking by friction
+/// involves no accumulation of impacts.
 int isolated_impacts(const HybridSystem& system, const std::vector<EventRecord>& events) {
-  const auto is_stick = [&](const EventRecord& event) {
-    return event.kind == EventKind::stick && system.events[event.event].accumulation;
-  };
-  const auto last_stick = std::find_if(events.rbegin(), events.rend(), is_stick);
-  const auto first = static_cast<std::size_t>(events.rend() - last_stick);  // just after it; 0: none
-  int total = 0, series = 0;
-  for (std::size_t k = 0; k < events.size(); ++k) {
-    const EventRecord& event = events[(first + k) % events.size()];
-    if (begins_contact(event.kind)) {
-      ++series;
-    } else if (is_stick(event)) {
-      series = 0;
-    } else {
-      total += series;
-      series = 0;
-    }
-  }
-  return total + series;
+  std::set<std::string_view> resting;  // the events of a stop share its name
+  for (const EventRecord& event : events)
+    if (event.kind == EventKind::stick && system.events[event.event].accumulation)
+      resting.insert(system.events[event.event].name);
+  return static_cast<int>(std::count_if(events.begin(), events.end(), [&](const EventRecord& event) {
+    return begins_contact(event.kind) && !resting.contains(system.events[event.event].name);
+  }));
 }
 
 /// States at forcing phase 0 of the periods 0 ... n - 1, each carried from the node before it; also the mode at the first.
