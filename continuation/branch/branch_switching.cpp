@@ -237,6 +237,43 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   return std::nullopt;
 }
 
+std::optional<BranchStart> symmetric_start(OrbitProblem& problem, const LocatedGrazing& grazing, const TraceOptions& options) {
+  const HybridSystem& system = problem.system();
+  const Event& contact = system.events[grazing.event];
+  EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
+  if (grazing.leads_away || contact.to != contact.from || !grazing.contact_events.empty() || problem.equations().autonomous() ||
+      nodes.sequence.size() != grazing.orbit.events.size())
+    return std::nullopt;
+  const Vector& p = grazing.orbit.parameters;
+  const double T = forcing_period(system, p), duration = T * problem.period();
+  nodes.shorten(grazing.orbit.period / problem.period());
+  std::vector<std::size_t> added{nodes.insert(grazing.event, grazing.t, grazing.touch)};
+  for (const Symmetry& symmetry : symmetries(system, p)) {
+    const Vector image = symmetry.matrix * grazing.touch;
+    for (int k = 0; k < problem.period(); ++k) {
+      const double t = std::fmod(grazing.t + (symmetry.shift + k) * T, duration);
+      constexpr double same = 1e-5;  // a grazing impact of a speed within rounding may move the motion
+      const Trajectory motion = simulate(system, p, 0.0, grazing.orbit.state, {.t_end = t});
+      if (!((motion.x - image).lpNorm<Eigen::Infinity>() < same * (1.0 + image.lpNorm<Eigen::Infinity>()))) continue;
+      for (std::size_t e = 0; e < system.events.size(); ++e) {
+        const Event& other = system.events[e];
+        if (other.kind != contact.kind || other.from != motion.mode || e == grazing.event) continue;
+        if (!(std::abs(other.guard.value(t, image, p)) < same)) continue;
+        const std::size_t place = nodes.insert(e, t, image);
+        for (std::size_t& one : added) one += one >= place ? 1 : 0;
+        added.push_back(place);
+      }
+      break;
+    }
+  }
+  if (added.size() < 2 || added.size() > max_simultaneous_contacts) return std::nullopt;
+  SignatureStart several = start_with(problem, grazing.orbit, nodes, problem.value(grazing.u), added);
+  if (!correct(several.problem.zero_problem(), several.start.orientation, several.start.u, options).converged())
+    return std::nullopt;
+  if (violation_beyond(several, options)) return std::nullopt;
+  return several.start;
+}
+
 std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGrazing& grazing, TurnPattern pattern,
                                           const TraceOptions& options) {
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});

@@ -41,6 +41,11 @@ inline constexpr int max_simultaneous_contacts = 8;
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options);
 
+/// At the grazing of a hard contact that an orbit symmetric in itself gains: the orbits that gain it and its images together.
+/// Empty if there is no image, if these orbits meet a barrier elsewhere at once, and where partner_start() needs other
+/// coordinates than those of the events.
+std::optional<BranchStart> symmetric_start(OrbitProblem& problem, const LocatedGrazing& grazing, const TraceOptions& options);
+
 /// At the grazing of a hard contact, reduced to the least period of the grazing orbit: the orbits of pattern.turns >= 2 times
 /// that period with the weak impact in pattern.struck of the turns, on the side of the grazing on which its speeds are
 /// positive. To first order the free maxima of the turns are linear in the speeds, h_i = h_top + sum R_(i-j) v_j. With one

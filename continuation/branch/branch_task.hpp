@@ -7,7 +7,8 @@
 
 namespace graze {
 
-enum class BranchOrigin { seed, doubled, crossing, beyond_grazing, multiple };
+/// `symmetric`: beyond a grazing too, with the impacts of several contacts that are images of one another.
+enum class BranchOrigin { seed, doubled, crossing, beyond_grazing, symmetric, multiple };
 
 /// A branch to be followed.
 struct BranchTask {

@@ -404,6 +404,8 @@ class Graph {
       return follow_crossing(task, provisional_id);
     case Origin::beyond_grazing:
       return follow_beyond_grazing(task, provisional_id);
+    case Origin::symmetric:
+      return follow_symmetric(task, provisional_id);
     case Origin::multiple:
       return follow_multiple(task, provisional_id);
     }
@@ -504,6 +506,24 @@ class Graph {
     return out;
   }
 
+  /// The orbits beyond the grazing of an orbit that is symmetric in itself, with all the impacts that are images of one another.
+  Outcome follow_symmetric(const Task& task, int provisional_id) const {
+    Outcome out;
+    if (!ends_[task.parent] || ends_[task.parent]->lost) return out;
+    GrazingEnd end = *ends_[task.parent];
+    const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
+    PeriodicOrbit at_grazing = point.orbit;
+    GrazingEdge partner = partner_edge(point, end.grazing, end.lost, &at_grazing);
+    OrbitProblem problem = problem_at(at_grazing);
+    const std::optional<BranchStart> start = symmetric_start(problem, end.grazing, options_.trace);
+    if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
+    follow_from(*start, problem, new_branch(task, at_grazing, at_grazing.period, provisional_id), out);
+    if (!out.branch || out.branch->points.empty()) return {};
+    partner.impacts = out.branch->points.front().impacts;
+    out.begins = partner;
+    return out;
+  }
+
   /// The orbits of a multiple of the period of the grazing orbit, if they exist.
   Outcome follow_multiple(const Task& task, int provisional_id) const {
     Outcome out;
@@ -545,7 +565,7 @@ class Graph {
     ends_.push_back(std::move(outcome.grazing));
     seeds_.push_back(task.seed);
     graph_.branches.push_back(std::move(branch));
-    const bool longer = task.origin != Origin::seed && task.origin != Origin::beyond_grazing;
+    const bool longer = task.origin != Origin::seed && task.origin != Origin::beyond_grazing && task.origin != Origin::symmetric;
     add_tasks(task.generation + (longer ? 1 : 0), std::move(outcome.half));
   }
 
@@ -588,6 +608,9 @@ class Graph {
     } else if (branch.stop == BranchStop::grazing) {
       const Task beyond{Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1, generation};
       tasks_.add(beyond);
+      Task symmetric = beyond;
+      symmetric.origin = Origin::symmetric;
+      tasks_.add(symmetric);
       add_multiples(beyond);
     }
     if (branch.stop == BranchStop::step_too_small)

@@ -301,6 +301,8 @@ Expression Graph::function(Operation operation, Expression a, Expression b) {
     if (p.operation == Operation::constant && q.operation == Operation::constant)
       return (p.value < q.value) == (operation == max) ? b : a;
   }
+  if (operation == atan2 && p.operation == Operation::constant && p.value == 0.0)
+    return multiply(pi(), subtract(constant(1.0), function(step, b)));
   if ((operation == max || operation == min || operation == hypot) && b < a) std::swap(a, b);
   return intern({.operation = operation, .a = a, .b = b});
 }

@@ -88,17 +88,10 @@ struct Splitter {
         replacement[bend.node.index] = graph.function(Operation::atan2, operand.numerator, operand.denominator);
         continue;
       }
-      case Operation::tanh: {
-        Replacement inside = replacement;
-        for (const InnerQuotient& one : bend.quotients) {
-          const int sign = signs[one.number] * one.side;
-          const Expression divisor = graph.substitute(one.quotient.divisor, inside);
-          const Expression size =
-              graph.function(Operation::max, sign > 0 ? divisor : graph.negate(divisor), graph.constant(least_divisor));
-          inside[one.node.index] = graph.divide(graph.substitute(one.quotient.numerator, inside),
-                                                graph.integer_power(sign > 0 ? size : graph.negate(size), one.quotient.power));
-        }
-        replacement[bend.node.index] = graph.substitute(bend.node, inside);
+      case Operation::tanh: {  // the same, with its limit at q = 0
+        const RegularFraction operand = regular(n.a, bend, signs, replacement);
+        const Expression size = graph.function(Operation::max, operand.denominator, graph.constant(least_divisor));
+        replacement[bend.node.index] = graph.function(Operation::tanh, graph.divide(operand.numerator, size));
         continue;
       }
       case Operation::atan2: {
@@ -227,7 +220,7 @@ class Separation {
           bend.quotients.push_back({inner, *quotient, number, side});
           bend.number = std::max(bend.number, number);
         }
-    if (n.operation == Operation::atan2 && bounds(graph_, n.b, parameters_).lower < 0.0 && dependence(graph_, n.a).moves()) {
+    if (n.operation == Operation::atan2 && bounds(graph_, n.b, parameters_).lower <= 0.0 && dependence(graph_, n.a).moves()) {
       const auto [number, side] = switch_of(out, n.a);
       Switch& own = out.switches[number];
       own.jumps = own.breaks = true;
@@ -401,10 +394,14 @@ class Separation {
       }
       mode.common.push_back(one);
       mode.representatives.push_back(one);
+    }
+    for (std::size_t number = 0; number < mode.representatives.size(); ++number) {
+      const Signs& one = mode.representatives[number];
       mode.decisive.emplace_back(count, false);
       for (std::size_t i = 0; i < count; ++i) {
         const auto other = across(splitter, part_of, one, i);
-        mode.decisive.back()[i] = splitter.switches[i].breaks || (other && part_of.at(*other) != part_of.at(one));
+        const bool breaks = splitter.switches[i].breaks && mode.common[number][i] != 0;  // else it changes nothing here
+        mode.decisive.back()[i] = breaks || (other && part_of.at(*other) != part_of.at(one));
       }
     }
     mode.class_of = std::move(part_of);

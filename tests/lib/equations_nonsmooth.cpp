@@ -180,6 +180,13 @@ TEST_CASE("bounded functions of a quotient jump where its divisor passes zero (f
       {"0.2*abs(atan2(v, x) - 1)", [angle](const Vector& x) { return 0.2 * std::abs(angle(x[1], x[0]) - 1.0); }, 4,
        false},  // angles beyond 1 do not occur at v < 0
       {"0.3*min(1, abs(0.2/(0.5 - x)))", [](const Vector& x) { return 0.3 * std::min(1.0, std::abs(0.2 / (0.5 - x[0]))); }, 4},
+      {"0.2*tanh(max(x/(v - 0.3), v/(x - 0.35)))",
+       [](const Vector& x) { return 0.2 * std::tanh(std::max(x[0] / (x[1] - 0.3), x[1] / (x[0] - 0.35))); }, 8, false},
+      {"0.2*tanh(abs(1/x))", [](const Vector& x) { return 0.2 * std::tanh(std::abs(1.0 / x[0])); }, 2},
+      {"0.2*tanh(x/(v - 0.3)*sign(v/(x - 0.35)))",
+       [](const Vector& x) { return 0.2 * std::tanh(x[0] / (x[1] - 0.3) * (x[1] / (x[0] - 0.35) > 0.0 ? 1.0 : -1.0)); }, 4},
+      {"0.2*atan2(0, x)", [](const Vector& x) { return 0.2 * std::atan2(0.0, x[0]); }, 2},
+      {"0.2*atan2(v, step(x))", [](const Vector& x) { return 0.2 * std::atan2(x[1], x[0] >= 0.0 ? 1.0 : 0.0); }, 4, false},
       {"0.3*sign(1 + 1/(0.5 - x))", [](const Vector& x) { return 1.0 + 1.0 / (0.5 - x[0]) > 0.0 ? 0.3 : -0.3; }, 3}};
   for (const Case& one : cases) {
     INFO(one.force);
