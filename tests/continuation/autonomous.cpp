@@ -225,3 +225,29 @@ TEST_CASE("a branch of autonomous orbits goes on where its first node would reac
     CHECK(branches[0].points.back().duration == Approx(round.events[2].t - round.events[0].t).epsilon(1e-9));
   }
 }
+
+TEST_CASE("the doubled branch of an orbit that sticks in part is not taken for its parent (fixed)") {
+  // A drill string with stick and slip; it pushes a second mass against a stop.
+  SystemWriter writer;
+  writer.system.name = "drill";
+  writer.parameter("Om", "0.5").parameter("r", "0.66");
+  writer.mechanics({"th", "z"}, {"w", "s"},
+                   {{{"1", "0"}, {"0", "1.5"}}, {{"0.05", "0"}, {"0", "0.2"}}, {{"1", "0"}, {"0", "2"}}, {"0", "0.8*w + 0.3"}});
+  writer.stop("top", "r - z", "newton", {"0.6"}).friction("bit", "w + Om", "1", "0.4 + 0.6*exp(-u/0.4)", "1");
+  HybridSystem system = equations::make_system(writer.system).system;
+  system.returns.clear();
+  for (std::size_t e = 0; e < system.events.size(); ++e)
+    if (system.events[e].kind == EventKind::stick) system.returns.push_back(e);
+  const PeriodicOrbit orbit = attracting(system, default_parameters(system.parameters), vector({0.3, 0.0, 0.0, 0.0}));
+  ContinuationOptions options;
+  options.parameter = "r";
+  options.from = 0.66;
+  options.to = 0.69;
+  options.switch_generations = 1;
+  const BranchGraph graph = follow_branches(system, {{orbit, {1}}}, options);
+  REQUIRE(graph.branches.size() == 2);
+  REQUIRE(types_of(graph.branches[0]) == "PD");
+  CHECK(std::abs(points_of(graph.branches[0], PointType::PD)[0].value - 0.67512445) < 1e-7);  // by shooting in another program
+  CHECK(graph.branches[1].period == 2 * graph.branches[0].period);
+  for (const Branch& branch : graph.branches) CHECK(check_branch(system, branch).empty());
+}

@@ -11,6 +11,7 @@
 #include "support/branches.hpp"
 #include "support/checks.hpp"
 #include "support/newton_oscillator.hpp"
+#include "support/two_sided_orbit.hpp"
 #include "support/two_sided_oscillator.hpp"
 
 #include <catch2/catch.hpp>
@@ -254,6 +255,7 @@ TEST_CASE("an orbit that grazes two barriers at once continues with one impact o
   // beyond the grazing if sin(w T) > 0. The orbit with both impacts always exists, for s > 0 (eta > 1) on the near side.
   const HybridSystem system = two_sided_oscillator(true);
   const double b = 0.05;
+  const auto index_of_restitution = static_cast<Eigen::Index>(parameter_index(system.parameters, "k_r"));
   int seen[3] = {0, 0, 0};
   for (const double eta : {0.55, 0.65, 0.8, 0.95, 1.15, 1.3, 1.7, 2.5}) {
     const double stiff = 1.0 - eta * eta, drag = 2.0 * b * eta, grazing = std::hypot(stiff, drag), w = std::sqrt(1.0 - b * b);
@@ -280,6 +282,19 @@ TEST_CASE("an orbit that grazes two barriers at once continues with one impact o
     CHECK(text_detail(grazings[0], "scenario_from") ==
           (alone ? "directions, multipliers and linear response" : "directions; several contacts touch together"));
     CHECK((graph.branches[1].points.front().value > grazing) == persistence);
+    // The family with both impacts begins there too if one impact alone is possible.
+    const std::vector<const Branch*> born = born_at(grazings[0], graph.branches);
+    CHECK(born.size() == (alone ? 2 : 1));
+    const auto both = std::find_if(born.begin(), born.end(), [](const Branch* one) { return one->points.front().impacts == 2; });
+    REQUIRE(both != born.end());
+    CHECK(((*both)->points.front().value < grazing) == (std::sin(0.5 * turn) > 0.0));
+    const BranchPoint& point = (*both)->points[(*both)->points.size() / 2];
+    REQUIRE(point.impacts == 2);
+    double off = 1.0;
+    for (const int side : {1, -1})
+      if (const auto exact = two_sided_orbit(b, point.value, eta, 1.0, p[index_of_restitution], side))
+        off = std::min(off, static_cast<double>(std::hypot(point.states[0][0] - exact->x, point.states[0][1] - exact->x_dot)));
+    CHECK(off < 1e-9);
     for (const Branch& branch : graph.branches) CHECK(check_branch(system, branch) == std::vector<std::string>{});
     ++seen[alone ? (persistence ? 1 : 0) : 2];
   }

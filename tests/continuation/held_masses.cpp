@@ -309,3 +309,41 @@ TEST_CASE("a branch on which a stop holds a mass all the time ends where the mas
   const double lift_off = 0.5 + 0.3 / std::hypot(1.0 - w * w, 0.1 * w) * std::hypot(1.0, 0.1 * w);
   CHECK(std::abs(branch.stop_value - lift_off) < 1e-5);
 }
+
+TEST_CASE("where a release and the impact of another mass change places, a branch of orbits that rest goes on (fixed)") {
+  // y is lifted off its seat and returns to it by complete chatter in each period; x hits its wall. Neither acts on the other.
+  SystemWriter writer;
+  writer.system.name = "apart";
+  writer.forcing("eta").parameter("eta", "2.7");
+  writer.mechanics({"y", "x"}, {"w", "v"},
+                   {{{"1", "0"}, {"0", "1"}},
+                    {{"0.2", "0"}, {"0", "0.05"}},
+                    {{"0", "0"}, {"0", "1.1"}},
+                    {"0.6 + cos(eta*t)", "cos(eta*t) + 0.1"}});
+  writer.stop("wall", "-x", "newton", {"0.8"}).stop("seat", "1 - y", "newton", {"0.3"});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit orbit = orbit_from(system, default_parameters(system.parameters), vector({0.2, -0.1, 0.0, 0.0}));
+  CHECK(orbit.isolated_impacts == 1);
+  ContinuationOptions options;
+  options.parameter = "eta";
+  options.from = 2.7;
+  options.to = 3.15;
+  const BranchGraph graph = follow_branches(system, {{orbit, {1}}}, options);
+  REQUIRE(graph.branches.size() == 2);
+  // The doubled branch passes the exchange near eta = 3.1235 and doubles again where the branch of x alone does.
+  CHECK(graph.branches[1].parent);
+  CHECK(graph.branches[1].stop == BranchStop::reached_bound);
+  const auto doublings = points_of(graph.branches[1], PointType::PD);
+  REQUIRE(doublings.size() == 1);
+  SystemWriter alone;
+  alone.system.name = "alone";
+  alone.forcing("eta").parameter("eta", "2.7");
+  alone.mechanics({"x"}, {"v"}, {{{"1"}}, {{"0.05"}}, {{"1.1"}}, {"cos(eta*t) + 0.1"}}).stop("wall", "-x", "newton", {"0.8"});
+  const HybridSystem one = equations::make_system(alone.system).system;
+  const BranchGraph of_one =
+      follow_branches(one, {{orbit_from(one, default_parameters(one.parameters), vector({-0.1, 0.0})), {1}}}, options);
+  REQUIRE(of_one.branches.size() >= 2);
+  const auto exact = points_of(of_one.branches[1], PointType::PD);
+  REQUIRE(!exact.empty());
+  CHECK(std::abs(doublings[0].value - exact[0].value) < 1e-10);
+}
