@@ -34,10 +34,9 @@ struct Switch {
   bool breaks = false;    ///< the divisor of a quotient in a bounded function, or the cut of atan2: other arguments jump there
   bool vanishes = false;  ///< of sign or step, and identically zero for some signs of the others, as in a dead zone
 };
-/// A quotient in atan or tanh; its divisor is `side` times the argument of a switch.
-struct InnerQuotient {
-  Expression node;
-  Quotient quotient;
+/// The divisor of a quotient in atan, atan2 or tanh: `side` times the argument of a switch.
+struct InnerDivisor {
+  Expression divisor;
   std::size_t number = 0;
   int side = 1;
 };
@@ -46,8 +45,8 @@ struct Bend {
   Expression node;
   std::size_t number = 0;
   int side = 1;
-  std::vector<InnerQuotient> quotients = {};  ///< of atan, tanh and atan2, operands first; `number` is the last of theirs
-  std::optional<std::size_t> cut = {};        ///< of atan2: the switch of its first operand
+  std::vector<InnerDivisor> divisors = {};  ///< of atan, tanh and atan2, operands first; `number` is the last of theirs
+  std::optional<std::size_t> cut = {};      ///< of atan2: the switch of its first operand
 };
 
 /// The nonsmooth functions of one mode.
@@ -61,8 +60,8 @@ struct Splitter {
   /// An operand of atan or atan2 without the quotients whose divisors are switches.
   RegularFraction regular(Expression operand, const Bend& bend, const Signs& signs, const Replacement& replacement) const {
     std::vector<SignedDivisor> divisors;
-    for (const InnerQuotient& one : bend.quotients)
-      divisors.push_back({graph.substitute(one.quotient.divisor, replacement), signs[one.number] * one.side});
+    for (const InnerDivisor& one : bend.divisors)
+      divisors.push_back({graph.substitute(one.divisor, replacement), signs[one.number] * one.side});
     return without_quotients(graph, graph.substitute(operand, replacement), divisors, parameters);
   }
 
@@ -217,7 +216,7 @@ class Separation {
       for (const Expression inner : reachable(graph_, node))
         if (const auto quotient = as_quotient(graph_, inner, parameters_); quotient && is_one_of(divisors, quotient->divisor)) {
           const auto [number, side] = switch_of(out, quotient->divisor);
-          bend.quotients.push_back({inner, *quotient, number, side});
+          bend.divisors.push_back({quotient->divisor, number, side});
           bend.number = std::max(bend.number, number);
         }
     if (n.operation == Operation::atan2 && bounds(graph_, n.b, parameters_).lower <= 0.0 && dependence(graph_, n.a).moves()) {
@@ -228,7 +227,7 @@ class Separation {
       bend.side = side;
       bend.number = std::max(bend.number, number);
     }
-    if (!bend.quotients.empty() || bend.cut) out.bends.push_back(std::move(bend));
+    if (!bend.divisors.empty() || bend.cut) out.bends.push_back(std::move(bend));
   }
 
   /// `divisors`: those that become switches.
@@ -353,8 +352,9 @@ class Separation {
       changed = false;
       for (std::size_t i = 0; i < count; ++i)
         for (const Signs& at : combinations) {
+          if (matters[i]) continue;
           const auto other = across(splitter, values, at, i);
-          if (matters[i] || !other) continue;
+          if (!other) continue;
           bool makes_difference = values.at(at) != values.at(*other);
           for (std::size_t j = i + 1; j < count; ++j)
             makes_difference = makes_difference || (matters[j] && splitter.argument(j, at) != splitter.argument(j, *other));
