@@ -302,7 +302,7 @@ class Separation {
       if (sign < 0 && graph_.is_constant(own, 0.0)) continue;  // it vanishes here: both branches coincide
       const bool refuted = std::any_of(arguments.begin(), arguments.end(), [&](Expression earlier) {
         const Expression sum = normal_form(graph_, graph_.add(earlier, own));
-        // Both zero: so is a switch that vanishes elsewhere only where its sign changes.
+        // Opposite arguments are both zero: at a change of sign, not in a region of its own.
         if (splitter.switches[i].vanishes && graph_.is_constant(sum, 0.0) && !graph_.is_constant(own, 0.0)) return true;
         return bounds(graph_, sum, parameters_).upper < 0.0;
       });
