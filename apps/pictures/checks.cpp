@@ -105,7 +105,8 @@ std::vector<std::pair<std::string, const Json*>> hard_limits(const Json& result,
   constexpr std::size_t most = 4;  // as many as can be told apart
   std::vector<std::pair<std::string, const Json*>> list;
   for (const Json& orbit : result.at("orbits"))
-    if (list.size() < most && orbit.contains("hard_limit") && orbit["hard_limit"].contains(part))
+    if (list.size() < most && orbit.contains("hard_limit") && orbit["hard_limit"].contains(part) &&
+        !orbit["hard_limit"][part].empty())
       list.emplace_back(fmt::format("z = {}/{} at {} = {}", orbit.at("impacts").get<int>(), orbit.at("period").get<int>(),
                                     result.at("parameter").get<std::string>(), rounded(orbit.at("value").get<double>(), 6)),
                         &orbit["hard_limit"]);

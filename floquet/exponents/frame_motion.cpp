@@ -15,20 +15,24 @@ namespace {
 
 double square(double x) { return x * x; }
 
-/// A frame with no direction of its own: each vector has a part in every invariant subspace, so that the first ones grow fastest
-/// and the last ones are lost. The axes would not do where some states do not act on the others.
+/// An orthogonal matrix without directions of its own: each of its columns has a part in every subspace of interest.
 Matrix generic_frame(Eigen::Index directions) {
   std::mt19937 draw(1);
   const Matrix entries = Matrix::NullaryExpr(directions, directions, [&] { return static_cast<double>(draw()) * 0x1p-31 - 1.0; });
   return Eigen::HouseholderQR<Matrix>(entries).householderQ();
 }
 
+/// What remains of each column beside those before it (the diagonal of R), relative to its length; 0 for a column that vanishes.
+Vector remainders(const Matrix& columns, const Eigen::HouseholderQR<Matrix>& qr) {
+  const Vector lengths = columns.colwise().norm();
+  return (lengths.array() > 0.0).select(qr.matrixQR().diagonal().cwiseAbs().cwiseQuotient(lengths), 0.0);
+}
+
 }  // namespace
 
-TangentFrame::TangentFrame(std::size_t directions) : growth_(directions), kept_(directions) {
-  const auto n = static_cast<Eigen::Index>(directions);
-  Q_ = n > 2 ? generic_frame(n) : Matrix(Matrix::Identity(n, n));
-}
+TangentFrame::TangentFrame(std::size_t directions)
+    : Q_(Matrix::Identity(static_cast<Eigen::Index>(directions), static_cast<Eigen::Index>(directions))), growth_(directions),
+      kept_(directions) {}
 
 const std::vector<double>& TangentFrame::orthonormalise(double log_det, double liouville, int lost) {
   is_measured_ = true;
@@ -59,21 +63,25 @@ void TangentFrame::orthonormalise_pair() {
 }
 
 void TangentFrame::orthonormalise_kept(std::size_t lost) {
-  constexpr double rounding = 1e-10;  // relative to the vector: what is left of one that depends on those before it
-  const auto kept = static_cast<Eigen::Index>(kept_);
-  const Eigen::HouseholderQR<Matrix> qr(Q_.leftCols(kept));
-  const auto growth = qr.matrixQR().diagonal().cwiseAbs();
-  const Vector sizes = Q_.leftCols(kept).colwise().norm();
-  const std::size_t most = kept_ > lost ? kept_ - lost : 0;  // what remains if all are lost anew
-  kept_ = std::min(kept_, growth_.size() - lost);
-  while (kept_ > most) {
-    const auto last = static_cast<Eigen::Index>(kept_) - 1;
-    if (growth[last] > rounding * sizes[last]) break;
-    --kept_;
+  constexpr double rounding = 1e-10;  // of remainders
+  const auto n = Q_.rows(), kept = static_cast<Eigen::Index>(kept_), left = n - static_cast<Eigen::Index>(lost);
+  Eigen::HouseholderQR<Matrix> qr(Q_.leftCols(kept));
+  Vector rest = remainders(Q_.leftCols(kept), qr);
+  // The last vectors are lost, unless some states do not act on the others. Vectors of a generic frame before the loss would
+  // have been mapped to Q_ times that frame.
+  if (lost > 0 && left > 0 && kept == n && rest.head(left).minCoeff() <= rounding) {
+    Q_ = Q_ * generic_frame(n);
+    qr.compute(Q_);
+    rest = remainders(Q_, qr);
   }
+  const auto growth = qr.matrixQR().diagonal().cwiseAbs();
+  const Eigen::Index most = std::max<Eigen::Index>(0, kept - static_cast<Eigen::Index>(lost));  // if all are lost anew
+  Eigen::Index keeps = std::min(kept, left);
+  while (keeps > most && rest[keeps - 1] <= rounding) --keeps;
+  kept_ = static_cast<std::size_t>(keeps);
   std::fill(growth_.begin(), growth_.end(), -std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < kept_; ++i) growth_[i] = std::log(growth[static_cast<Eigen::Index>(i)]);
-  Q_.leftCols(kept) = qr.householderQ() * Matrix::Identity(Q_.rows(), kept);
+  Q_.leftCols(kept) = qr.householderQ() * Matrix::Identity(n, kept);
 }
 
 double ReturnTimes::error(std::size_t direction, const BatchMeans& growth, double rate) const {
