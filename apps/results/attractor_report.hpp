@@ -45,7 +45,7 @@ template <> struct JsonForm<Attractor> : RecordForm<Attractor, attractor_columns
   }
 };
 
-/// Whether an attractor that was read is one of a system with so many states.
+/// Whether the state, multipliers and exponents of an attractor that was read have the length `states`; lists may be empty.
 bool has_states(const Attractor& attractor, std::size_t states);
 
 /// "z = 2/3"; "z = ∞/1" for an orbit that sticks; "chaotic", "undecided".

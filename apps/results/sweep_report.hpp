@@ -32,7 +32,7 @@ template <> struct JsonForm<SweepRow> : RecordForm<SweepRow, row_columns> {};
 void write_row(const SweepRow& row, JsonText& json, const QuantityValues& values = {});
 Json rows_json(const std::vector<SweepRow>& rows, const RowQuantities& measured = {});
 
-/// The rows of a result. @throws Json::exception if they are no rows of a system with so many states.
+/// Reads the rows of a result of a system with `states` states. @throws Json::exception if their vectors have another length.
 std::vector<SweepRow> rows_from(const Json& rows, std::size_t states);
 
 /// The schema of rows, with their quantities.

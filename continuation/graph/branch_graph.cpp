@@ -478,13 +478,16 @@ class Graph {
     return out;
   }
 
+  /// The grazing at the end of a branch; that of a restored branch is located again.
+  std::optional<GrazingEnd> grazing_end(std::size_t index) const {
+    return ends_[index] ? ends_[index] : relocate_grazing_end(system_, graph_.branches[index], options_, low_, high_);
+  }
+
   /// The orbits beyond the grazing, with the impact removed or added: they exist on one side of it only.
   Outcome follow_beyond_grazing(const Task& task, int provisional_id) const {
     Outcome out;
     if (child_at(graph_.branches[task.parent])) return out;
-    const std::optional<GrazingEnd> known_end =
-        ends_[task.parent] ? ends_[task.parent]
-                           : relocate_grazing_end(system_, graph_.branches[task.parent], options_, low_, high_);
+    const std::optional<GrazingEnd> known_end = grazing_end(task.parent);
     if (!known_end) {
       out.nothing = "the grazing was not found again";
       return out;
@@ -509,8 +512,9 @@ class Graph {
   /// The orbits beyond the grazing of an orbit that is symmetric in itself, with all the impacts that are images of one another.
   Outcome follow_symmetric(const Task& task, int provisional_id) const {
     Outcome out;
-    if (!ends_[task.parent] || ends_[task.parent]->lost) return out;
-    GrazingEnd end = *ends_[task.parent];
+    const std::optional<GrazingEnd> known_end = grazing_end(task.parent);
+    if (!known_end || known_end->lost) return out;
+    GrazingEnd end = *known_end;
     const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
     PeriodicOrbit at_grazing = point.orbit;
     GrazingEdge partner = partner_edge(point, end.grazing, end.lost, &at_grazing);

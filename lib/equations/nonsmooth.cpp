@@ -57,7 +57,7 @@ struct Splitter {
   const std::vector<ParameterInfo>& parameters;
   std::map<Expression, std::size_t> numbers;  ///< of the switches, by the normal forms of their arguments
 
-  /// An operand of atan or atan2 without the quotients whose divisors are switches.
+  /// An operand of atan, atan2 or tanh without the quotients whose divisors are switches.
   RegularFraction regular(Expression operand, const Bend& bend, const Signs& signs, const Replacement& replacement) const {
     std::vector<SignedDivisor> divisors;
     for (const InnerDivisor& one : bend.divisors)
@@ -334,11 +334,14 @@ class Separation {
     const std::vector<Expression> divisors = passed_divisors(m, plain);
     split_.push_back({divisors.empty() ? plain : find_switches(m, divisors), {}, {}, {}, {}, out_.modes.size()});
     SplitMode& mode = split_.back();
-    for (const Signs& at : combinations_of(mode.splitter, m))
+    std::vector<Signs> combinations = combinations_of(mode.splitter, m);
+    bool some_vanish = false;
+    for (const Signs& at : combinations)
       for (std::size_t j = 0; j < at.size(); ++j)
-        if (mode.splitter.switches[j].jumps && vanishes(mode.splitter, j, at)) mode.splitter.switches[j].vanishes = true;
+        if (mode.splitter.switches[j].jumps && vanishes(mode.splitter, j, at))
+          some_vanish = mode.splitter.switches[j].vanishes = true;
+    if (some_vanish) combinations = combinations_of(mode.splitter, m);  // some of them are refuted now
     const Splitter& splitter = mode.splitter;
-    const std::vector<Signs> combinations = combinations_of(splitter, m);
     const std::vector<Expression> parts = roots(m);
     std::map<Signs, std::vector<Expression>> values;
     for (const Signs& one : combinations)
