@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/conditions/grazing.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <algorithm>
@@ -79,7 +80,7 @@ Passage passage_with(OrbitProblem& problem, std::size_t contact, const Touch& to
   }
   for (auto event = of_touch.rbegin(); event != of_touch.rend() && !out.events.empty() && out.events.back() == *event; ++event)
     out.events.pop_back();
-  if (out.comes_back) out.kick = with_touch.completeOrthogonalDecomposition().solve(struck.x - free.x) / speed;
+  if (out.comes_back) out.kick = shortest_solution(with_touch, struck.x - free.x) / speed;
   return out;
 }
 
@@ -111,7 +112,7 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   const bool neutral = !Eigen::FullPivLU<Matrix>(in_states).isInvertible();
   const OrbitLU<Matrix> lu(in_states);
   const auto solve = [&](const Vector& right) -> Vector {
-    return neutral ? Vector(in_states.completeOrthogonalDecomposition().solve(right)) : lu.solve(right);
+    return neutral ? shortest_solution(in_states, right) : lu.solve(right);
   };
   const Vector u_dp = solve(-jacobian.col(size));
   located.family_dp.resize(size + 1);

@@ -3,17 +3,18 @@
 #include <graze/floquet/attractor/near_doubling.hpp>
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
-#include <graze/floquet/exponents/tangent_growth.hpp>
 #include <graze/floquet/orbit/lane_orbits.hpp>
 #include <graze/floquet/orbit/observe.hpp>
 #include <graze/floquet/orbit/returns.hpp>
 #include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/motion/lane_carrier.hpp>
 #include <graze/lib/motion/rest.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <memory>
 
 namespace graze {
@@ -30,6 +31,12 @@ constexpr double near_halves = 4.0 * worth_trying, growth_at_doubling = 2.0;
 /// Fast search: returns whose tangent grows by more are skipped. A motion that approaches a stable orbit will be tested again
 /// later, when its tangent no longer grows.
 constexpr double max_growth_of_return = 30.0;
+
+/// A return whose tangent grows by more than max_growth does not lead to a stable orbit: its distance cannot explain such
+/// growth. The same holds for a motion whose tangent has grown this much after growth_test_periods periods (chaos with an
+/// exponent of 0.054 a period).
+constexpr double max_growth = 1e3;
+constexpr int growth_test_periods = 128;
 
 /// Near a stable orbit Newton's method takes full steps, or large fractions of them. (Of 30,000 attempts in a map of a damped
 /// Hertz oscillator that converged, one had a step shorter than 1/64.) Ever shorter steps mean that it creeps towards a minimum
@@ -73,6 +80,12 @@ bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector
 /// A motion of a conservative system approaches no orbit: it is on the orbit, up to rounding, or it is not.
 bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
   return nearest_distance(orbit.states, x) < DistanceWatch::rounding_distance * (1.0 + state_size(x));
+}
+
+/// The largest modulus of the eigenvalues of A; NaN if A is not finite.
+double spectral_radius(const Matrix& A) {
+  if (!A.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  return eigenvalues(A).cwiseAbs().maxCoeff();
 }
 
 /// Growth of the tangent along one period from each of these states, multiplied.

@@ -2,9 +2,11 @@
 #include <graze/floquet/orbit/multipliers.hpp>
 
 #include <graze/floquet/orbit/kept_state.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/rank.hpp>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Jacobi>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -156,7 +158,7 @@ void block_eigenvalues(const TriangularForm<Square>& form, Eigen::Index first, E
       out.emplace_back(larger == 0.0 ? 0.0 : block.det / larger);
     }
   } else {
-    const Eigen::VectorXcd values = Matrix(block.product).eigenvalues();
+    const Eigen::VectorXcd values = graze::eigenvalues(block.product);
     out.insert(out.end(), values.begin(), values.end());
   }
 }

@@ -3,6 +3,7 @@
 
 #include <graze/floquet/orbit/kept_state.hpp>
 #include <graze/lib/motion/rest.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <fmt/format.h>
@@ -38,9 +39,7 @@ std::vector<KeptState> kept_states(const ShootingEquations& equations) {
 /// Newton's step. If states are kept, it is the shortest one: they stay where they are as far as possible.
 Vector newton_step(const ShootingEquations& equations, const Matrix& jacobian, const Vector& residual) {
   if (kept_states(equations).empty()) return OrbitLU<Matrix>(jacobian).solve(-residual);
-  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
-  decomposition.setThreshold(1e-11);  // above the rounding of the kept rows
-  return decomposition.compute(jacobian).solve(-residual);
+  return shortest_solution(jacobian, -residual, 1e-11);  // above the rounding of the kept rows
 }
 
 /// Newton's method from u, which is changed in place. (The last evaluation need not be at u.)

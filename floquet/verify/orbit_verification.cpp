@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/shooting.hpp>
 #include <graze/floquet/verify/orbit_verification.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
 
 #include <fmt/format.h>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -104,14 +102,6 @@ OrbitCheck compare_exponents(const HybridSystem& system, VerifiedOrbit& verified
 
 double finite_difference_bound(const FiniteDifferenceCheck& check) {
   return std::max(bound::finite_difference, check.error_estimate);
-}
-
-double eigenvector_condition(const Matrix& M) {
-  const Eigen::EigenSolver<Matrix> solver(M);
-  if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd sizes = Eigen::JacobiSVD<Eigen::MatrixXcd>(solver.eigenvectors()).singularValues();
-  const double least = sizes[sizes.size() - 1];
-  return least > 0.0 ? sizes[0] / least : std::numeric_limits<double>::infinity();
 }
 
 bool VerifiedOrbit::agrees() const {

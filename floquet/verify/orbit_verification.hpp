@@ -71,7 +71,4 @@ struct VerifiedOrbit {
 /// @throws std::invalid_argument for an orbit without nodes, or negative counts in the options.
 VerifiedOrbit verify_orbit(const HybridSystem& system, const PeriodicOrbit& orbit, const VerificationOptions& options = {});
 
-/// Condition number (2-norm) of the unit eigenvectors of a square matrix.
-double eigenvector_condition(const Matrix& M);
-
 }  // namespace graze

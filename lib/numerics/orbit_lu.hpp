@@ -5,40 +5,28 @@
 
 #include <graze/lib/numerics/vector.hpp>
 
-#include <Eigen/LU>
-#include <Eigen/SparseLU>
-
 #include <memory>
 
 namespace graze {
 
+/// Of a Matrix or an Eigen::MatrixXcd, for which it is compiled.
 template <class SquareMatrix> class OrbitLU {
  public:
-  using Scalar = typename SquareMatrix::Scalar;
-  using Column = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  using Column = Eigen::Matrix<typename SquareMatrix::Scalar, Eigen::Dynamic, 1>;
 
-  explicit OrbitLU(const SquareMatrix& A) {
-    constexpr Eigen::Index small = 96;  // up to this size dense factors are as fast
-    if (A.rows() > small && A.allFinite()) {
-      sparse_ = std::make_unique<Sparse>();
-      Eigen::SparseMatrix<Scalar> entries = A.sparseView();
-      entries.makeCompressed();
-      sparse_->compute(entries);
-      if (sparse_->info() == Eigen::Success) return;
-      sparse_.reset();  // exactly singular: dense factors give infinities, which callers test for
-    }
-    dense_.compute(A);
-  }
+  explicit OrbitLU(const SquareMatrix& A);
+  ~OrbitLU();
 
-  Column solve(const Column& right) const { return sparse_ ? Column(sparse_->solve(right)) : Column(dense_.solve(right)); }
-  Column solve_adjoint(const Column& right) const {
-    return sparse_ ? Column(sparse_->adjoint().solve(right)) : Column(dense_.adjoint().solve(right));
-  }
+  /// A^{-1} right; not finite where A is singular.
+  Column solve(const Column& right) const;
+  Column solve_adjoint(const Column& right) const;
 
  private:
-  using Sparse = Eigen::SparseLU<Eigen::SparseMatrix<Scalar>>;
-  Eigen::PartialPivLU<SquareMatrix> dense_;
-  std::unique_ptr<Sparse> sparse_;
+  struct Factors;
+  std::unique_ptr<const Factors> factors_;
 };
+
+extern template class OrbitLU<Matrix>;
+extern template class OrbitLU<Eigen::MatrixXcd>;
 
 }  // namespace graze

@@ -3,6 +3,7 @@
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/verify/orbit_verification.hpp>
 #include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
 
 #include <catch2/catch.hpp>
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/lib/numerics/orbit_lu.hpp>
+
+#include <Eigen/LU>
+#include <Eigen/SparseLU>
+
+#include <optional>
+
+namespace graze {
+
+template <class SquareMatrix> struct OrbitLU<SquareMatrix>::Factors {
+  using Scalar = typename SquareMatrix::Scalar;
+
+  explicit Factors(const SquareMatrix& A) {
+    constexpr Eigen::Index small = 96;  // up to this size dense factors are as fast
+    if (A.rows() > small && A.allFinite()) {
+      Eigen::SparseMatrix<Scalar> entries = A.sparseView();
+      entries.makeCompressed();
+      sparse.emplace().compute(entries);
+      if (sparse->info() == Eigen::Success) return;
+      sparse.reset();  // exactly singular: dense factors give infinities, which callers test for
+    }
+    dense.compute(A);
+  }
+
+  Eigen::PartialPivLU<SquareMatrix> dense;
+  std::optional<Eigen::SparseLU<Eigen::SparseMatrix<Scalar>>> sparse;
+};
+
+template <class SquareMatrix>
+OrbitLU<SquareMatrix>::OrbitLU(const SquareMatrix& A) : factors_(std::make_unique<const Factors>(A)) {}
+
+template <class SquareMatrix> OrbitLU<SquareMatrix>::~OrbitLU() = default;
+
+template <class SquareMatrix> auto OrbitLU<SquareMatrix>::solve(const Column& right) const -> Column {
+  return factors_->sparse ? Column(factors_->sparse->solve(right)) : Column(factors_->dense.solve(right));
+}
+
+template <class SquareMatrix> auto OrbitLU<SquareMatrix>::solve_adjoint(const Column& right) const -> Column {
+  return factors_->sparse ? Column(factors_->sparse->adjoint().solve(right)) : Column(factors_->dense.adjoint().solve(right));
+}
+
+template class OrbitLU<Matrix>;
+template class OrbitLU<Eigen::MatrixXcd>;
+
+}  // namespace graze
