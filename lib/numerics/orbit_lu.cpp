@@ -28,7 +28,7 @@ template <class SquareMatrix> struct OrbitLU<SquareMatrix>::Factors {
 };
 
 template <class SquareMatrix>
-OrbitLU<SquareMatrix>::OrbitLU(const SquareMatrix& A) : factors_(std::make_unique<const Factors>(A)) {}
+OrbitLU<SquareMatrix>::OrbitLU(const SquareMatrix& A) : factors_(std::make_unique<Factors>(A)) {}
 
 template <class SquareMatrix> OrbitLU<SquareMatrix>::~OrbitLU() = default;
 

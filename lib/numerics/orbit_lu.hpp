@@ -23,7 +23,7 @@ template <class SquareMatrix> class OrbitLU {
 
  private:
   struct Factors;
-  std::unique_ptr<const Factors> factors_;
+  std::unique_ptr<Factors> factors_;
 };
 
 extern template class OrbitLU<Matrix>;
