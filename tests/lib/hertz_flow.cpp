@@ -44,17 +44,17 @@ struct Exit {
 /// A contact with fixed steps h of rk8_step. Newton's method on the length of the last step makes it end at y = 0.
 Exit fixed_step_contact(const Vector& p, double speed, double h) {
   const auto field = regularised<double>(p);
-  graze::detail::Stage<3> z{0.0, speed, 0.0}, k1, next, error;
+  detail::Stage<3> z{0.0, speed, 0.0}, k1, next, error;
   for (double s = 0.0;; s += h, z = next) {
     field(z, k1);
-    graze::detail::rk8_step<3>(field, z, k1, h, next, error);
+    detail::rk8_step<3>(field, z, k1, h, next, error);
     if (next[0] > 0.0) continue;
     double part = h;
     for (int i = 0; i < 20; ++i) {
-      graze::detail::rk8_step<3>(field, z, k1, part, next, error);
+      detail::rk8_step<3>(field, z, k1, part, next, error);
       part -= next[0] / (0.5 * next[1]);
     }
-    graze::detail::rk8_step<3>(field, z, k1, part, next, error);
+    detail::rk8_step<3>(field, z, k1, part, next, error);
     return {next[2], next[1], s + part};
   }
 }
@@ -133,9 +133,9 @@ TEST_CASE("the series of a contact has order 16 in motion and tangent with cubic
   const double y0 = 0.25, v0 = 0.4, t0 = 0.3;
   const auto speed_coefficient = [&](double y) { return 2.0 * p[b] + p[k_H] * p[b_H] * y * y * y; };
   const std::vector<std::size_t> none;
-  for (const graze::detail::SeriesKernels* kernels : {&graze::detail::series_generic, &graze::detail::series_kernels()}) {
-    graze::detail::HertzSeries<1> series(contact, none, t0, *kernels);
-    graze::detail::HertzState<1> z;
+  for (const detail::SeriesKernels* kernels : {&detail::series_generic, &detail::series_kernels()}) {
+    detail::HertzSeries<1> series(contact, none, t0, *kernels);
+    detail::HertzState<1> z;
     z.y = y0;
     z.v = v0;
     z.cosine = std::cos(p[eta] * t0);
@@ -147,7 +147,7 @@ TEST_CASE("the series of a contact has order 16 in motion and tangent with cubic
     for (std::size_t i = 0; i < 2; ++i) {
       const double h = i == 0 ? 0.4 : 0.2;
       const LongState<7> exact = extrapolate<7>(field, 0, h, {y0, v0, t0, 1, 0, 0, 1});
-      const graze::detail::HertzState<1> end = series.at(h);
+      const detail::HertzState<1> end = series.at(h);
       const auto dv = [&](std::size_t k) { return end.q[k] - speed_coefficient(end.y) * end.dx[k]; };
       const std::array<double, 7> found{end.y, end.v, t0 + end.time, end.dx[0], dv(0), end.dx[1], dv(1)};
       for (std::size_t k = 0; k < 7; ++k) error[i][k] = static_cast<double>(std::abs(found[k] - exact[k]));
@@ -167,9 +167,9 @@ TEST_CASE("the series of a contact agree to rounding on any processor and with m
   HertzContact contact;
   contact.value = {0.07, 36.0 / 35.0, 1.1, 0.8, 0.6, 90.0, 0.15};
   const std::vector<std::size_t> none, all{0, 1, 2, 3, 4, 5, 6, HertzContact::count};
-  graze::detail::HertzSeries<0> bare(contact, none, 0.3);
-  graze::detail::HertzSeries<1> generic(contact, none, 0.3, graze::detail::series_generic), best(contact, none, 0.3);
-  graze::detail::HertzSeries<3> generic_all(contact, all, 0.3, graze::detail::series_generic), best_all(contact, all, 0.3);
+  detail::HertzSeries<0> bare(contact, none, 0.3);
+  detail::HertzSeries<1> generic(contact, none, 0.3, detail::series_generic), best(contact, none, 0.3);
+  detail::HertzSeries<3> generic_all(contact, all, 0.3, detail::series_generic), best_all(contact, all, 0.3);
   Random random(7);
   for (int i = 0; i < 100; ++i) {
     std::array<double, 7> start;
@@ -214,16 +214,16 @@ TEST_CASE("the regularised contact keeps its accuracy through exit: an error in 
   const Vector p = damped_hertz();
   const auto field = regularised<double>(p);
   const Exit exact = fixed_step_contact(p, 1.0, 0.05);
-  graze::detail::Stage<3> z{0.0, 1.0, 0.0}, k1, next, error;
+  detail::Stage<3> z{0.0, 1.0, 0.0}, k1, next, error;
   const int steps = 40;
   for (int i = 0; i < steps; ++i) {
     field(z, k1);
-    graze::detail::rk8_step<3>(field, z, k1, exact.s / steps, next, error);
+    detail::rk8_step<3>(field, z, k1, exact.s / steps, next, error);
     z = next;
   }
   field(z, k1);
   for (const double d : {1e-3, 1e-5}) {
-    graze::detail::rk8_step<3>(field, z, k1, d, next, error);
+    detail::rk8_step<3>(field, z, k1, d, next, error);
     CHECK(std::abs(next[2] - exact.t) < d * d);
     CHECK(std::abs(next[1] - exact.v) < 5.0 * d * d);
   }
@@ -232,7 +232,7 @@ TEST_CASE("the regularised contact keeps its accuracy through exit: an error in 
 TEST_CASE("without regularisation a method of order 4 or 8 loses its order at the entry into contact") {
   // x'' = -k_H max(0, x)^(3/2), entered at speed 1 in the middle of a step: the error falls as h^(5/2) for any method.
   constexpr double k = 100.0, D = 0.2;
-  const auto field = [](const graze::detail::Stage<2>& z, graze::detail::Stage<2>& dz) {
+  const auto field = [](const detail::Stage<2>& z, detail::Stage<2>& dz) {
     const double y = std::sqrt(std::max(0.0, z[0]));
     dz = {z[1], -k * y * y * y};
   };
@@ -243,10 +243,10 @@ TEST_CASE("without regularisation a method of order 4 or 8 loses its order at th
   LongState<3> exact{0.0L, 1.0L, 0.0L};
   exact = extrapolate<3>(in_s, 0.0L, 0.8L, exact);
   for (int i = 0; i < 8; ++i) exact = extrapolate<3>(in_s, 0.0L, (static_cast<long double>(D) - exact[2]) / exact[0], exact);
-  const auto rk4 = [&](const graze::detail::Stage<2>& z, double h) {
-    graze::detail::Stage<2> k1, k2, k3, k4, w;
-    const auto at = [&](const graze::detail::Stage<2>& slope, double c) {
-      return graze::detail::Stage<2>{z[0] + c * h * slope[0], z[1] + c * h * slope[1]};
+  const auto rk4 = [&](const detail::Stage<2>& z, double h) {
+    detail::Stage<2> k1, k2, k3, k4, w;
+    const auto at = [&](const detail::Stage<2>& slope, double c) {
+      return detail::Stage<2>{z[0] + c * h * slope[0], z[1] + c * h * slope[1]};
     };
     field(z, k1);
     field(at(k1, 0.5), k2);
@@ -255,14 +255,14 @@ TEST_CASE("without regularisation a method of order 4 or 8 loses its order at th
     for (std::size_t i = 0; i < 2; ++i) w[i] = z[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
     return w;
   };
-  const auto rk8 = [&](const graze::detail::Stage<2>& z, double h) {
-    graze::detail::Stage<2> k1, next, error;
+  const auto rk8 = [&](const detail::Stage<2>& z, double h) {
+    detail::Stage<2> k1, next, error;
     field(z, k1);
-    graze::detail::rk8_step<2>(field, z, k1, h, next, error);
+    detail::rk8_step<2>(field, z, k1, h, next, error);
     return next;
   };
   const auto error_with = [&](const auto& method, int n) {
-    graze::detail::Stage<2> z{-D, 1.0};
+    detail::Stage<2> z{-D, 1.0};
     const double h = 2.0 * D / (2 * n + 1);  // contact begins in the middle of step n, counted from 0
     for (int i = 0; i < 2 * n + 1; ++i) z = method(z, h);
     return std::abs(z[1] - static_cast<double>(exact[1]));
