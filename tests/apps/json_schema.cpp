@@ -123,9 +123,9 @@ TEST_CASE("the shipped schemas are those that the program prints") {
       ++kinds;
       const Outcome outcome = call({"schema", kind.name});
       CHECK(outcome.code == 0);
-      CHECK(outcome.out == read_file(std::string(GRAZE_DATA_DIR) + "/schemas/" + kind.name + ".json"));
+      CHECK(outcome.out == read_file(GRAZE_DATA_DIR "/schemas/" + kind.name + ".json"));
     }
-  const std::filesystem::directory_iterator files(std::string(GRAZE_DATA_DIR) + "/schemas");
+  const std::filesystem::directory_iterator files(GRAZE_DATA_DIR "/schemas");
   CHECK(static_cast<std::size_t>(std::distance(begin(files), end(files))) == kinds);
   const Outcome unknown = call({"schema", "orbt"});
   CHECK(unknown.code == 2);

@@ -17,7 +17,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-Published shipped() { return load_published(std::string(GRAZE_DATA_DIR) + "/published.toml"); }
+Published shipped() { return load_published(GRAZE_DATA_DIR "/published.toml"); }
 
 const PublishedExponents& row_of(const Published& published, const std::string& figure, double eta) {
   for (const PublishedExponents& row : published.exponents)
