@@ -265,7 +265,7 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
       const double t = start + length * i / samples;
       for (StepEnd end = StepEnd::event; end == StepEnd::event;) {
         end = propagator.step(state, t);
-        if (end == StepEnd::failed) return sorted();
+        if (end == StepEnd::failed || events > TransitionOptions().max_events) return sorted();
         if (end == StepEnd::event) {
           const EventRecord& met = propagator.record();
           for (std::size_t e = 0; e < system.events.size(); ++e)

@@ -97,14 +97,21 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   if (h < -tolerance) return false;
   if (h > tolerance) return true;
   const Flow& flow = flows_[state.mode];
+  const auto rests = [&](double speed) { return std::abs(speed) <= rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>()); };
   const bool just_crossed = plus_known_ && state.t == record_.t && state.mode == record_.mode_plus && state.x == record_.x_plus;
+  // A release begins at a balance of forces. What was held until then rests, although the rounding of the forces moves it.
+  bool released = false;
+  if (just_crossed && record_.kind == EventKind::release) {
+    flows_[system_->events[record_.event].from].field(state.t, state.x, f_minus_);
+    released = rests(transversality(guard, state.t, state.x, f_minus_, p_));
+  }
   if (just_crossed) {
     f_minus_ = f_plus_;
   } else {
     flow.field(state.t, state.x, f_minus_);
   }
   const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
-  if (std::abs(speed) > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>())) return speed > 0.0;
+  if (!released && !rests(speed)) return speed > 0.0;
   // At rest on the guard: dh/dt a time `rest_glance` later decides, after a midpoint step.
   constexpr double half = 0.5 * rest_glance;
   glance_ = state.x + half * f_minus_;

@@ -151,6 +151,37 @@ TEST_CASE("Coulomb friction stops a free mass for good and a strong spring drive
   REQUIRE(run.x[1] == 0.0);
 }
 
+TEST_CASE("a mass is released from dry friction in the direction of its force, whatever the size of the forces (fixed)") {
+  // The forces balance at the release: their difference there is rounding, which may drive the mass back. m, k, the amplitude
+  // of the force and the friction are multiples of `size`: the motion does not depend on it.
+  for (const char* const sticking : {"", "f_static"})
+    for (const double omega : {0.3, 0.37, 0.45})
+      for (const double f : {0.75, 0.8, 0.86}) {
+        std::optional<Trajectory> unit;
+        for (const double size : {1.0, 3.0, 1e3, 7e6, 1e-4}) {
+          SystemWriter writer;
+          writer.parameter("size", fmt::format("{}", size)).parameter("omega", fmt::format("{}", omega));
+          writer.parameter("f", fmt::format("{}", f)).parameter("f_static", fmt::format("{}", f));
+          writer.mechanics({"x"}, {"v"}, {{{"size"}}, {}, {{"size"}}, {"size*cos(omega*t)"}});
+          writer.friction("floor", "v", "size", "f", sticking).forcing("omega");
+          const HybridSystem system = equations::make_system(writer.system).system;
+          const Vector p = default_parameters(system.parameters);
+          INFO("omega " << omega << " f " << f << " size " << size << " " << sticking);
+          const Trajectory run = simulate(system, p, 0.0, Vector::Zero(2), {.t_end = 100.0 * forcing_period(system, p)});
+          REQUIRE(run.termination == Termination::time);
+          // Two stops and two releases a period.
+          REQUIRE(run.events.size() > 390);
+          for (std::size_t i = 0; i + 1 < run.events.size(); ++i) {
+            REQUIRE(run.events[i + 1].t > run.events[i].t);
+            REQUIRE((run.events[i].kind == EventKind::release) != (run.events[i + 1].kind == EventKind::release));
+          }
+          if (!unit) unit = run;
+          REQUIRE(run.events.size() == unit->events.size());
+          REQUIRE((run.x - unit->x).norm() < 1e-10);
+        }
+      }
+}
+
 TEST_CASE("a surface that is only crossed: both directions without a sliding mode") {
   SystemWriter writer;
   writer.system.name = "crossed";
