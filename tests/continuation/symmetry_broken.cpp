@@ -165,7 +165,7 @@ TEST_CASE("the branch of broken symmetry is followed and its mirror image is cou
   const Vector p = parameters(stops(), {{"eta", 0.33}});
   const PeriodicOrbit orbit = shoot(stops(), p, settle(stops(), p, Vector::Zero(2)).state, 1);
   REQUIRE(orbit.converged());
-  const std::vector<Branch> branches = continue_orbit(stops(), orbit, {.to = 0.36, .max_multiple = 1});
+  const std::vector<Branch> branches = continue_orbit(stops(), orbit, {.to = 0.36, .switch_generations = 2, .max_multiple = 1});
   const auto crossings = points_of(branches[0], PointType::BP);
   REQUIRE(crossings.size() == 1);
   const std::vector<const Branch*> broken = born_at(crossings[0], branches);
@@ -178,6 +178,14 @@ TEST_CASE("the branch of broken symmetry is followed and its mirror image is cou
   CHECK(std::abs(points_of(*broken[0], PointType::PD)[0].value - doubling) < 1e-12);
   CHECK(std::abs(points_of(*broken[0], PointType::GR)[0].value - grazing) < 1e-12);
   CHECK(asymmetry(points_of(*broken[0], PointType::PD)[0].orbit) > 1e-4);
+  // What is born on it has a mirror image too.
+  int descendants = 0;
+  for (const Branch& branch : branches) {
+    if (!branch.parent || branch.parent->branch != broken[0]->id) continue;
+    ++descendants;
+    CHECK(branch.mirrored);
+  }
+  CHECK(descendants > 0);
 }
 
 TEST_CASE("with two rigid stops both halves of the pitchfork are attractors and one is listed") {
