@@ -195,6 +195,8 @@ int run(const Options& given, const Console& console) {
   const OutputFolder folder(options.output, "locate", options.orbit.start.file);
   Problem problem = open_problem(options.orbit.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
+  if (!std::isfinite(*options.near))
+    throw std::invalid_argument(fmt::format("--near {}: must be a finite number, for example 0.92", *options.near));
   const double reach = options.reach.value_or(default_reach(*options.near));
   if (!(reach > 0.0)) throw std::invalid_argument(fmt::format("--reach {}: must be > 0, for example 0.01", reach));
   set_parameter(problem, options.parameter, options.from.value_or(*options.near), options.from ? "--from" : "--near");
