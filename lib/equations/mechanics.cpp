@@ -660,12 +660,12 @@ class Mechanics {
     for (std::size_t i = 0; i < map.size(); ++i) after.emplace(graph_.state(i).index, map[i]);
     const std::size_t choices = std::size_t{1} << slipping.size();
     for (std::size_t choice = 0; choice < choices; ++choice) {
+      // The first choice fires in which all that slips forward has a positive speed. What slips backward in it then has none.
       std::vector<Expression> conditions;
       for (std::size_t k = 0; k < slipping.size(); ++k) {
         const bool goes_backward = (choice >> k & 1U) != 0;
         to[slipping[k]] = goes_backward ? backward : forward;
-        const Expression speed = graph_.substitute(contacts_[slipping[k]].rate, after);
-        conditions.push_back(goes_backward ? graph_.negate(speed) : speed);
+        if (!goes_backward) conditions.push_back(graph_.substitute(contacts_[slipping[k]].rate, after));
       }
       EventPiece* event = add(at, stop, "", EventKind::impact, graph_.negate(stop.gap), to);
       if (!event) return;

@@ -182,6 +182,32 @@ TEST_CASE("a mass is released from dry friction in the direction of its force, w
       }
 }
 
+TEST_CASE("an impact that ends at speed zero leaves another friction on the side on which it slips (fixed)") {
+  SystemWriter writer;
+  writer.parameter("omega", "1.604391").parameter("mu", "0.369166").parameter("g", "0.120942").parameter("e", "0.1368");
+  writer.parameter("c", "0.085955").parameter("a", "1.320988");
+  writer.mechanics({"x", "y"}, {"v", "w"},
+                   {{{"1", "0"}, {"0", "0.7"}},
+                    {{"c", "0"}, {"0", "0.05"}},
+                    {{"1.4", "-0.4"}, {"-0.4", "0.9"}},
+                    {"a*cos(omega*t)", "0.3*sin(omega*t)"}});
+  writer.friction("floor", "v", "1", "mu*(0.6 + 0.4/(1 + 3*u))").friction("between", "w - v", "0.4", "mu");
+  writer.stop("wall", "g - x", "newton", {"e"}).forcing("omega");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const Vector p = default_parameters(system.parameters);
+  const Trajectory run =
+      simulate(system, p, 0.0, Vector::Zero(4), {.t_end = 60.0 * forcing_period(system, p), .max_events = 5000});
+  REQUIRE(run.termination == Termination::time);
+  // The second mass slips to the side of its speed in every mode.
+  for (const EventRecord& one : run.events) {
+    const double speed = one.x_plus[3] - one.x_plus[2];
+    const std::string& mode = system.modes[one.mode_plus].name;
+    INFO("t = " << one.t << ", " << mode);
+    if (mode.find("between forward") != std::string::npos) CHECK(speed >= -1e-12);
+    if (mode.find("between backward") != std::string::npos) CHECK(speed <= 1e-12);
+  }
+}
+
 TEST_CASE("a surface that is only crossed: both directions without a sliding mode") {
   SystemWriter writer;
   writer.system.name = "crossed";
