@@ -552,12 +552,15 @@ class Separation {
     std::vector<Expression> there;
     for (const Expression one : known) there.push_back(graph_.substitute(one, on_guard));
     const int sign = given[i] != 0 ? given[i] : sign_of(graph_.substitute(behind, on_guard), there);
+    // The first target counts whose conditions hold. Those with a positive sign come first: a negative one needs no condition,
+    // and an argument that is zero there leaves the others their signs.
     for (const int one : {1, -1}) {
       if (sign == -one) continue;
       signs.push_back(one);
-      if (sign == 0) conditions.push_back(one > 0 ? behind : graph_.negate(behind));
+      const bool tested = sign == 0 && one > 0;
+      if (tested) conditions.push_back(behind);
       follow(to, after, on_guard, known, given, signs, conditions, targets);
-      if (sign == 0) conditions.pop_back();
+      if (tested) conditions.pop_back();
       signs.pop_back();
     }
   }
