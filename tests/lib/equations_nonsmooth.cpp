@@ -315,3 +315,16 @@ TEST_CASE("nests of nonsmooth functions move as the unsplit expression (fixed)")
     REQUIRE(std::abs(run.x[1] - v) < 1e-4);
   }
 }
+
+TEST_CASE("a reset to zero of one argument leaves the others their signs (fixed)") {
+  SystemWriter writer;
+  writer.states({"x", "v", "y", "w"}).forcing("eta").parameter("eta", "1").parameter("r", "0.2").parameter("e", "0");
+  writer.mode("free", "x' = v; v' = -1 - 0.1*sign(v) + 0.2*cos(eta*t); y' = w; w' = 0.3*cos(eta*t) - 0.05*sign(w)");
+  writer.event({"catch", "other", "x - r", "v = -e*v; w = w - 0.01", "", ""});
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const Vector p = default_parameters(system.parameters), x = vector({0.0, 1.0, 0.0, 0.5});
+  const Trajectory run = simulate(system, p, 0.0, x, {.t_end = 0.4});
+  REQUIRE(run.termination == Termination::time);
+  REQUIRE(run.events.size() == 1);
+  REQUIRE(run.x[3] == Approx(0.49 + 0.3 * std::sin(0.4) - 0.05 * 0.4).epsilon(1e-11));
+}
