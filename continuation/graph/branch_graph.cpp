@@ -350,15 +350,6 @@ class Graph {
     return branch_through(states, value, except).has_value();
   }
 
-  /// The branch on which a mirror image of the orbit lies, and the symmetry. Callers exclude known orbits first: then the image
-  /// is another orbit.
-  std::optional<std::pair<std::size_t, Symmetry>> mirror_of(const std::vector<Vector>& states, double value) const {
-    if (graph_.branches.empty()) return std::nullopt;
-    for (const auto& [symmetry, image] : images(graph_.branches.front().parameters, states, value))
-      if (const auto branch = branch_through(image, value)) return std::pair(*branch, symmetry);
-    return std::nullopt;
-  }
-
   /// The mirror images of the orbit under each symmetry of the system at this value of the parameter.
   std::vector<std::pair<Symmetry, std::vector<Vector>>> images(Vector p, const std::vector<Vector>& states, double value) const {
     p[static_cast<Eigen::Index>(parameter_)] = value;
@@ -367,19 +358,6 @@ class Graph {
       if (std::vector<Vector> image = mirror_image(system_, p, symmetry, states); !image.empty())
         list.emplace_back(symmetry, std::move(image));
     return list;
-  }
-
-  /// A symmetry under which the image of a branch, known by some of its points, is another branch.
-  std::optional<Symmetry> mirrored_by(const Branch& branch, const std::vector<const BranchPoint*>& points) const {
-    std::optional<Symmetry> by;
-    for (const BranchPoint* const point : points) {
-      const auto all = images(branch.parameters, point->states, point->value);
-      const auto other = std::find_if(
-          all.begin(), all.end(), [&](const auto& one) { return !branch_contains(system_, branch, one.second, point->value); });
-      if (other == all.end()) return std::nullopt;
-      by = other->first;
-    }
-    return by;
   }
 
   bool is_known(const GrazingEdge& edge) const {
@@ -568,17 +546,22 @@ class Graph {
     if (outcome.ends && is_known(*outcome.ends)) return;
     // Another task of the same round may have found the same family. Points inside the branch decide: the ends of a branch may
     // belong to other branches too. Three points are tested, since branch_contains detects nothing next to a fold.
-    std::vector<const BranchPoint*> inside;
-    for (const std::size_t quarter : {1, 2, 3})
-      if (branch.points.size() > 4) inside.push_back(&branch.points[branch.points.size() * quarter / 4]);
-    for (const BranchPoint* const point : inside) {
-      if (is_known(point->states, point->value)) return;
-      if (const auto mirror = mirror_of(point->states, point->value)) {
-        graph_.branches[mirror->first].mirrored = mirror->second;
-        return;
+    std::optional<Symmetry> mirrored;  // under it the image of the branch is another one
+    for (const std::size_t quarter : {1, 2, 3}) {
+      if (branch.points.size() <= 4) break;
+      const BranchPoint& inside = branch.points[branch.points.size() * quarter / 4];
+      if (is_known(inside.states, inside.value)) return;
+      std::optional<Symmetry> to_another;  // (the orbit is on no listed branch: an image that is on one is another orbit)
+      for (const auto& [symmetry, image] : images(branch.parameters, inside.states, inside.value)) {
+        if (const auto listed = branch_through(image, inside.value)) {
+          graph_.branches[*listed].mirrored = symmetry;
+          return;
+        }
+        if (!to_another && !branch_contains(system_, branch, image, inside.value)) to_another = symmetry;
       }
+      if (quarter == 1 || !to_another) mirrored = to_another;
     }
-    branch.mirrored = mirrored_by(branch, inside);
+    branch.mirrored = mirrored;
     branch.id = ++last_id_;
     for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);
     if (task.origin == Origin::doubled)
