@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/problem/system_file.hpp>
+
+#include <graze/apps/problem/toml_section.hpp>
 #include <graze/lib/system/parameters.hpp>
 
 #include <fmt/format.h>
@@ -25,7 +27,7 @@ class Reader {
                 "start", "tables", "units"});
     const bool mechanical = root.contains("mechanics");
     if (!mechanical && !root.contains("system"))
-      refuse(place(root.source()), "there is no [system] with the names of the states");
+      refuse(place_of(root.source()), "there is no [system] with the names of the states");
     static const toml::table empty;  // [mechanics] needs no more
     const toml::table& system = root.contains("system") ? table_of(root, "system", "[system]") : empty;
     check_keys(system, "[system]", {"name", "states", "forcing", "period", "meaning"});
@@ -41,11 +43,11 @@ class Reader {
     if (root.contains("tables"))
       for (const auto& [key, node] : table_of(root, "tables", "[tables]")) read_table(key, node);
     if (!mechanical && !root.contains("modes"))
-      refuse(place(system.source()), "the system has no [modes.NAME] with its equations, and no [mechanics]");
+      refuse(place_of(system.source()), "the system has no [modes.NAME] with its equations, and no [mechanics]");
     if (root.contains("modes")) {
       for (const auto& [key, node] : table_of(root, "modes", "[modes]")) {
         const std::string where = fmt::format("[modes.{}]", key.str());
-        const toml::table& mode = as_table(node, where);
+        const toml::table& mode = as_table(node, where, "a section with equations");
         check_keys(mode, where, {"equations"});
         out_.modes.push_back({text_of(key), string_of(mode, "equations", where)});
       }
@@ -67,54 +69,44 @@ class Reader {
  private:
   [[noreturn]] void refuse(const Place& where, const std::string& message) const { throw EquationError(source_, where, message); }
 
-  static Place place(const toml::source_region& region) {
-    Place out;
-    if (!region.begin) return out;
-    out.line = region.begin.line;
-    out.column = region.begin.column;
-    out.length = region.end.line == region.begin.line && region.end.column > region.begin.column
-                     ? region.end.column - region.begin.column
-                     : 1;
-    return out;
-  }
-
-  Text text_of(const toml::key& key) const { return {std::string(key.str()), place(key.source())}; }
+  Text text_of(const toml::key& key) const { return {std::string(key.str()), place_of(key.source())}; }
 
   void check_keys(const toml::table& table, const std::string& where, const std::vector<std::string>& allowed) const {
     for (const auto& [key, node] : table) {
       const std::string name(key.str());
       if (std::find(allowed.begin(), allowed.end(), name) != allowed.end()) continue;
-      refuse(place(key.source()),
+      refuse(place_of(key.source()),
              fmt::format("{} has no {}{}; allowed are {}", where, name, suggestion(name, allowed), fmt::join(allowed, ", ")));
     }
   }
 
-  const toml::table& as_table(const toml::node& node, const std::string& what) const {
-    if (!node.is_table()) refuse(place(node.source()), fmt::format("{} must be a table", what));
+  /// `wanted`: what must stand there, for the message.
+  const toml::table& as_table(const toml::node& node, const std::string& what, const std::string& wanted) const {
+    if (!node.is_table()) refuse(place_of(node.source()), fmt::format("{} must be {}", what, wanted));
     return *node.as_table();
   }
 
   const toml::table& table_of(const toml::table& parent, const char* key, const std::string& what) const {
     const toml::node* node = parent.get(key);
     if (!node) refuse({}, fmt::format("{} is missing", what));
-    return as_table(*node, what);
+    return as_table(*node, key, "a section " + what);
   }
 
   const toml::node& need(const toml::table& parent, const char* key, const std::string& what) const {
     const toml::node* node = parent.get(key);
-    if (!node) refuse(place(parent.source()), fmt::format("{} lacks {}", what, key));
+    if (!node) refuse(place_of(parent.source()), fmt::format("{} lacks {}", what, key));
     return *node;
   }
 
   const toml::array& array_of(const toml::table& parent, const char* key, const std::string& what) const {
     const toml::node& node = need(parent, key, what);
-    if (!node.is_array()) refuse(place(node.source()), fmt::format("{} must be a list", key));
+    if (!node.is_array()) refuse(place_of(node.source()), fmt::format("{} must be a list", key));
     return *node.as_array();
   }
 
   Text string_of(const toml::node& node, std::string_view what) const {
-    if (!node.is_string()) refuse(place(node.source()), fmt::format("{} must be a text in quotes", what));
-    return quoted_text(source_, place(node.source()), **node.as_string());
+    if (!node.is_string()) refuse(place_of(node.source()), fmt::format("{} must be a text in quotes", what));
+    return quoted_text(source_, place_of(node.source()), **node.as_string());
   }
 
   Text string_of(const toml::table& parent, const char* key, const std::string& what) const {
@@ -124,7 +116,7 @@ class Reader {
   /// A number as written in the file, or a text.
   Text value_of(const toml::node& node, std::string_view what) const {
     if (node.is_string()) return string_of(node, what);
-    const Place where = place(node.source());
+    const Place where = place_of(node.source());
     if (!node.is_number()) refuse(where, fmt::format("{} must be a number, or an expression in quotes", what));
     return {node.is_integer() ? fmt::format("{}", **node.as_integer()) : fmt::format("{}", **node.as_floating_point()), where};
   }
@@ -169,7 +161,7 @@ class Reader {
   template <class Read> void each(const toml::table& root, const char* key, const Read& read) {
     const toml::node* node = root.get(key);
     if (!node) return;
-    if (!node->is_array_of_tables()) refuse(place(node->source()), fmt::format("{0} are written as [[{0}]], one each", key));
+    if (!node->is_array_of_tables()) refuse(place_of(node->source()), fmt::format("{0} are written as [[{0}]], one each", key));
     std::size_t number = 0;
     for (const toml::node& entry : *node->as_array()) read(*entry.as_table(), fmt::format("[[{}]] number {}", key, ++number));
   }
@@ -187,7 +179,7 @@ class Reader {
     const toml::node* count = table.get("count");
     if (!count) return 0;
     if (!count->is_integer() || **count->as_integer() < 0)
-      refuse(place(count->source()), "count must be a whole number from 0 on");
+      refuse(place_of(count->source()), "count must be a whole number from 0 on");
     return static_cast<std::size_t>(**count->as_integer());
   }
 
@@ -208,7 +200,7 @@ class Reader {
     const std::string where = "[mechanics]";
     check_keys(table, where, {"coordinates", "velocities", "mass", "damping", "stiffness", "force"});
     MechanicsText mechanics;
-    mechanics.place = place(table.source());
+    mechanics.place = place_of(table.source());
     for (const toml::node& name : array_of(table, "coordinates", where))
       mechanics.coordinates.push_back(string_of(name, "coordinates"));
     for (const toml::node& name : array_of(table, "velocities", where))
@@ -224,7 +216,8 @@ class Reader {
   std::vector<std::vector<Text>> matrix(const toml::table& table, const char* key, const std::string& where) const {
     std::vector<std::vector<Text>> rows;
     for (const toml::node& row : array_of(table, key, where)) {
-      if (!row.is_array()) refuse(place(row.source()), fmt::format("{} must be a list of rows, such as [[1, 0], [0, 1]]", key));
+      if (!row.is_array())
+        refuse(place_of(row.source()), fmt::format("{} must be a list of rows, such as [[1, 0], [0, 1]]", key));
       rows.emplace_back();
       for (const toml::node& entry : *row.as_array()) rows.back().push_back(value_of(entry, key));
     }
@@ -237,16 +230,16 @@ class Reader {
     stop.name = string_of(table, "name", where);
     stop.gap = string_of(table, "gap", where);
     stop.count = count_of(table);
-    const toml::table& law = as_table(need(table, "law", where), "law");
+    const toml::table& law = as_table(need(table, "law", where), "law", "a table, such as { newton = 0.8 }");
     check_keys(law, "law", {"newton", "hertz", "linear", "force", "adhesion"});
     for (const auto& [key, node] : law) {
       if (key.str() == "adhesion") {
-        if (!node.is_boolean()) refuse(place(node.source()), "adhesion must be true or false");
+        if (!node.is_boolean()) refuse(place_of(node.source()), "adhesion must be true or false");
         stop.adhesion = **node.as_boolean();
         continue;
       }
       if (!stop.law.text.empty())
-        refuse(place(key.source()), fmt::format("a stop has one law, not {} and {}", stop.law.text, key.str()));
+        refuse(place_of(key.source()), fmt::format("a stop has one law, not {} and {}", stop.law.text, key.str()));
       stop.law = text_of(key);
       if (const toml::array* values = node.as_array()) {
         for (const toml::node& value : *values) stop.values.push_back(value_of(value, key.str()));
@@ -254,7 +247,7 @@ class Reader {
         stop.values.push_back(value_of(node, key.str()));
       }
     }
-    if (stop.law.text.empty()) refuse(place(law.source()), "law names none of newton, hertz, linear, force");
+    if (stop.law.text.empty()) refuse(place_of(law.source()), "law names none of newton, hertz, linear, force");
     out_.stops.push_back(std::move(stop));
   }
 
@@ -283,28 +276,30 @@ class Reader {
     if (const toml::array* list = state->as_array()) {
       const std::vector<Text> names = out_.state_texts();
       if (list->size() != names.size())
-        refuse(place(state->source()), fmt::format("state has {} entries; the system has {} states", list->size(), names.size()));
+        refuse(place_of(state->source()),
+               fmt::format("state has {} entries; the system has {} states", list->size(), names.size()));
       for (std::size_t i = 0; i < list->size(); ++i) out_.start.push_back({names[i], value_of(*list->get(i), "a state")});
       return;
     }
-    for (const auto& [key, node] : as_table(*state, "state")) out_.start.push_back({text_of(key), value_of(node, key.str())});
+    for (const auto& [key, node] : as_table(*state, "state", "a list of values, or a table such as { x = 0.5 }"))
+      out_.start.push_back({text_of(key), value_of(node, key.str())});
   }
 
   void read_table(const toml::key& key, const toml::node& node) {
     const std::string where = fmt::format("[tables.{}]", key.str());
-    const toml::table& given = as_table(node, where);
+    const toml::table& given = as_table(node, where, "a section with u and y");
     check_keys(given, where, {"u", "y", "periodic", "slopes"});
     Table table;
     table.name = key.str();
     table.u = numbers(given, "u", where);
     table.y = numbers(given, "y", where);
     if (const toml::node* periodic = given.get("periodic")) {
-      if (!periodic->is_boolean()) refuse(place(periodic->source()), "periodic must be true or false");
+      if (!periodic->is_boolean()) refuse(place_of(periodic->source()), "periodic must be true or false");
       table.periodic = **periodic->as_boolean();
     }
     if (given.contains("slopes")) {
       const std::vector<double> slopes = numbers(given, "slopes", where);
-      if (slopes.size() != 2) refuse(place(given.get("slopes")->source()), "slopes must be two numbers, at both ends");
+      if (slopes.size() != 2) refuse(place_of(given.get("slopes")->source()), "slopes must be two numbers, at both ends");
       table.first_slope = slopes[0];
       table.last_slope = slopes[1];
     }
@@ -313,7 +308,7 @@ class Reader {
     } catch (const EquationError&) {
       throw;
     } catch (const std::invalid_argument& error) {
-      refuse(place(key.source()), fmt::format("{}: {}", where, error.what()));
+      refuse(place_of(key.source()), fmt::format("{}: {}", where, error.what()));
     }
     out_.tables.push_back(std::move(table));
   }
@@ -322,7 +317,7 @@ class Reader {
     std::vector<double> list;
     for (const toml::node& node : array_of(table, key, where)) {
       const std::optional<double> number = node.is_number() ? node.value<double>() : std::nullopt;
-      if (!number) refuse(place(node.source()), fmt::format("{} must be a list of numbers", key));
+      if (!number) refuse(place_of(node.source()), fmt::format("{} must be a list of numbers", key));
       list.push_back(*number);
     }
     return list;

@@ -73,8 +73,14 @@ toml::table parse_toml(std::string_view text, const std::string& file) {
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(fmt::format("{}: not valid TOML: {}", toml_position(file, error.source()), reason(error)));
+    throw equations::EquationError({file, std::string(text)}, place_of(error.source()), "not valid TOML: " + reason(error));
   }
+}
+
+equations::Place place_of(const toml::source_region& source) {
+  if (!source.begin) return {};
+  const bool one_line = source.end.line == source.begin.line && source.end.column > source.begin.column;
+  return {source.begin.line, source.begin.column, one_line ? source.end.column - source.begin.column : 1U};
 }
 
 std::string toml_position(const std::string& file, const toml::source_region& source) {

@@ -3,6 +3,7 @@
 // line, given value, allowed values. Included only by readers of files, because TOML's own header is large.
 #pragma once
 
+#include <graze/lib/equations/source.hpp>
 #include <graze/lib/numerics/vector.hpp>
 
 #include <toml++/toml.h>
@@ -16,8 +17,11 @@
 
 namespace graze::apps {
 
-/// Text in UTF-8 as a table; `file` is the name used in messages.
+/// Text in UTF-8 as a table; `file` is the name used in messages. @throws equations::EquationError for text that is not TOML.
 toml::table parse_toml(std::string_view text, const std::string& file);
+
+/// A node's characters on its first line.
+equations::Place place_of(const toml::source_region& source);
 
 /// "file:line".
 std::string toml_position(const std::string& file, const toml::source_region& source);

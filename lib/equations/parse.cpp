@@ -487,11 +487,26 @@ bool is_name(std::string_view text) {
   return !text.empty();
 }
 
+namespace {
+
+std::optional<Expression> divisor(const Graph& graph, Expression quotient) {
+  const Node n = graph.node(quotient);
+  if (n.operation == Operation::divide) return n.b;
+  return n.operation == Operation::integer_power && n.value < 0.0 ? std::optional(n.a) : std::nullopt;
+}
+
+}  // namespace
+
 std::optional<Place> known_place(const Graph& graph, const std::vector<Hazard>& hazards, Expression node) {
-  for (std::optional<Expression> at = node; at; at = graph.origin(*at)) {
-    const auto found = std::find_if(hazards.begin(), hazards.end(), [&](const Hazard& one) { return one.node == *at; });
-    if (found != hazards.end()) return found->place;
-  }
+  const auto first = [&](const auto& matches) -> std::optional<Place> {
+    const auto found = std::find_if(hazards.begin(), hazards.end(), matches);
+    return found != hazards.end() ? std::optional(found->place) : std::nullopt;
+  };
+  for (std::optional<Expression> at = node; at; at = graph.origin(*at))
+    if (const auto place = first([&](const Hazard& one) { return one.node == *at; })) return place;
+  for (std::optional<Expression> at = node; at; at = graph.origin(*at))
+    if (const auto by = divisor(graph, *at))
+      if (const auto place = first([&](const Hazard& one) { return divisor(graph, one.node) == by; })) return place;
   return std::nullopt;
 }
 

@@ -28,7 +28,8 @@ struct Hazard {
   Place place;
 };
 
-/// The place of the first hazard with this node, or with the one from which substitutions made it.
+/// The place of the first hazard with this node, or with the one from which substitutions made it. A quotient that no text holds,
+/// such as the derivative of one, has the place of the first with its divisor.
 std::optional<Place> known_place(const Graph& graph, const std::vector<Hazard>& hazards, Expression node);
 
 /// The meaning of names in an expression.

@@ -172,7 +172,7 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
   SECTION("TOML") {
     CHECK_THAT(refused(model + "[parametres]\nb = 1\n"), Contains("\"parametres\"") && Contains("did you mean \"parameters\""));
     CHECK_THAT(refused(model + "[parameters]\nb = \n"), Contains("p.toml:5") && Contains("not valid TOML"));
-    CHECK_THAT(refused(model + "[parameters]\nb = 1\nb = 2\n"), Contains("not valid TOML"));
+    CHECK_THAT(refused(model + "[parameters]\nb = 1\nb = 2\n"), Contains("p.toml:6:5: not valid TOML") && Contains("\n    ^"));
     CHECK_THAT(refused(""), Contains("[model]"));
   }
 }
