@@ -237,6 +237,7 @@ struct Measured {
   std::vector<Extent> extents;              // over all periods
   std::vector<std::vector<double>> starts;  // of each function, at the beginning of each period
   std::vector<EventRecord> events;
+  std::vector<double> impact_speeds = {};  // of impacts, also those that end at rest, and of entries into contact
 };
 
 std::optional<Measured> run_along(const Quantities& quantities, const HybridSystem& system, const Vector& p,
@@ -264,6 +265,9 @@ std::optional<Measured> run_along(const Quantities& quantities, const HybridSyst
     for (std::size_t f = 0; f < functions.size(); ++f) out.starts[f].push_back(values[f]);
     for (EventRecord event : run.events) {
       event.t += static_cast<double>(k) * unit;
+      const bool comes_to_rest = event.kind == EventKind::stick;
+      if (begins_contact(system.events[event.event].kind) && (!comes_to_rest || ends_contact(event)))
+        out.impact_speeds.push_back(event.normal_speed);
       out.events.push_back(std::move(event));
     }
     if (!needs_extents) continue;
@@ -282,13 +286,12 @@ std::optional<Measured> run_along(const Quantities& quantities, const HybridSyst
 std::vector<double> values_of(const Quantity& quantity, const Measured& measured, const MeasuredMotion& motion) {
   const double periods = static_cast<double>(motion.states.size());
   const auto extent = [&]() -> const Extent& { return measured.extents[quantity.function]; };
-  double fastest = std::nan(""), slowest = std::nan(""), impacts = 0.0;
-  for (const EventRecord& event : measured.events) {
-    if (!begins_contact(event.kind)) continue;
-    fastest = std::fmax(fastest, event.normal_speed);
-    slowest = std::fmin(slowest, event.normal_speed);
-    ++impacts;
+  double fastest = std::nan(""), slowest = std::nan("");
+  for (const double speed : measured.impact_speeds) {
+    fastest = std::fmax(fastest, speed);
+    slowest = std::fmin(slowest, speed);
   }
+  const auto impacts = static_cast<double>(measured.impact_speeds.size());
   switch (quantity.kind) {
   case QuantityKind::at_phase_0:
     return measured.starts[quantity.function];

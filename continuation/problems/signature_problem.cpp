@@ -36,7 +36,7 @@ void EventNodes::repeat(int turns, double duration) {
 std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
   EventNodes nodes;
   for (const EventRecord& event : orbit.events) {
-    if (event.kind == EventKind::stick || event.kind == EventKind::release) return std::nullopt;
+    if (event.kind == EventKind::stick || event.kind == EventKind::release || event.follows) return std::nullopt;
     nodes.sequence.push_back(event.event);
     nodes.times.push_back(event.t);
     nodes.states.push_back(event.x_minus);

@@ -671,6 +671,8 @@ class Mechanics {
       if (!event) return;
       event->map = map;
       event->effective_mass = mass_of(stop);
+      // The guard is written in the states that the mode leaves free. Behind the impact they may move apart from the gap.
+      if (!at.solved.empty()) event->opening_rate = stop.rate;
       if (!dependence(graph_, stop.restitution).moves()) event->restitution = stop.restitution;
       if (choice + 1 < choices) event->otherwise = AlternativePiece{conditions, out_.events.size()};
       accumulate(*event, at, *find(to), c);
@@ -706,13 +708,29 @@ class Mechanics {
     const Combination* free = find(to);
     if (!free) return;
     const Expression opening = rate_along(graph_, stop.rate, field_of(free->acceleration));
+    // Rounding moves a body off a moving stop: without this reset it would hit the stop at once.
+    const auto stay_at_stop = [&](EventPiece& event) {
+      for (const Solution& one : at.solved)
+        if (dependence(graph_, one.value).time) event.map[one.state] = one.value;
+    };
+    // Friction of a body that its stop holds at rest keeps the direction in which it came. At the release it holds the body if it
+    // can.
+    for (std::size_t other = 0; other < contacts_.size(); ++other) {
+      const Contact& friction = contacts_[other];
+      if (friction.is_stop || at.status[other] == stuck || !vanishes(graph_.substitute(friction.rate, at.replacement))) continue;
+      const Combination* held = find(changed(to, other, stuck));
+      EventPiece* event = held ? add(at, stop, " release", EventKind::release, opening, held->status, true) : nullptr;
+      if (!event) continue;
+      stay_at_stop(*event);
+      const Expression needed = graph_.substitute(multiplier_of(*held, other), held->replacement);
+      event->otherwise =
+          AlternativePiece{{graph_.subtract(friction.limit, needed), graph_.add(friction.limit, needed)}, out_.events.size()};
+    }
     // At release the contact force is zero: state and field are continuous.
     EventPiece* event = add(at, stop, " release", EventKind::release, opening, to, true);
     if (!event) return;
     event->continuous = true;
-    // Rounding moves a body off a moving stop: without this reset it would hit the stop at once.
-    for (const Solution& one : at.solved)
-      if (dependence(graph_, one.value).time) event->map[one.state] = one.value;
+    stay_at_stop(*event);
   }
 
   void lose_speed(const Combination& at, std::size_t c) {

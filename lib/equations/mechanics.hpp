@@ -23,7 +23,7 @@
 namespace graze::equations {
 
 /// Largest number of modes from contacts.
-inline constexpr std::size_t max_contact_modes = 64;
+inline constexpr std::size_t max_contact_modes = 256;
 
 /// Information on a system before its modes exist.
 struct Reading {

@@ -482,6 +482,7 @@ class Separation {
       piece.from = from.first + number;
       piece.guard = from.splitter.resolved(event.guard, signs);
       for (Expression& one : piece.map) one = from.splitter.resolved(one, signs);
+      if (piece.opening_rate) piece.opening_rate = from.splitter.resolved(*piece.opening_rate, signs);
       first_of_event_.back().push_back(out_.events.size());
       std::vector<Reached> rests{{}};
       if (piece.accumulation) {

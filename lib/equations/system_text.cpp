@@ -54,8 +54,11 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return constraints[a].size() > constraints[b].size(); });
-  return [fields, guards, constraints, conditions, order](double t, const Vector& x,
-                                                          const Vector& p) -> std::optional<std::size_t> {
+  HybridSystem forcing;
+  forcing.forcing_frequency = system.forcing_frequency;
+  forcing.period = system.period;
+  return [fields, guards, constraints, conditions, order, forcing](double t, const Vector& x,
+                                                                   const Vector& p) -> std::optional<std::size_t> {
     Vector f(x.size()), gradient(x.size()), later(x.size());
     const auto rate = [&](const Guard& guard, std::size_t mode, double time, const Vector& at) {
       fields[mode](time, at, p, f);
@@ -78,8 +81,9 @@ InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::ve
                if (h != 0.0) return h < 0.0;
                const double speed = rate(guard, mode, t, x);
                if (std::abs(speed) > rest_tolerance * (1.0 + f.lpNorm<Eigen::Infinity>())) return speed < 0.0;
-               later = x + rest_glance * f;
-               return rate(guard, mode, t + rest_glance, later) <= 0.0;
+               const double glance = rest_glance * time_unit(forcing, p);
+               later = x + glance * f;
+               return rate(guard, mode, t + glance, later) <= 0.0;
              });
     };
     const auto admits = [&](std::size_t mode) {

@@ -28,7 +28,8 @@ struct FlowOptions {
   double tolerance = 1e-13;        ///< local error per step, relative to 1 + |x| (numerical flows)
   double max_step = 0.0;           ///< of the general integrator; 0: a sixteenth of the forcing period, or unlimited
   std::size_t max_steps = 100000;  ///< of one segment; more is FlowEnd::failed
-  /// Remaining time of an impact series below which it counts as complete (the error of its sum is of the order of the square).
+  /// Remaining time of an impact series below which it counts as complete (the error of its sum is of the order of the square). A
+  /// forcing period T < 1 is the unit.
   double accumulation_window = 1e-6;
   /// Called before every segment; may be empty. If it returns true, the run (simulate, carry) ends as Termination::interrupted.
   std::function<bool()> cancelled = {};

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 namespace graze {
@@ -34,6 +35,7 @@ Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<
 void Propagator::set_parameters(const Vector& p) {
   check_parameters(system_->parameters, p);
   p_ = p;
+  time_unit_ = time_unit(*system_, p);
   lane_known_ = plus_known_ = false;
   flows_.clear();
   for (std::size_t mode = 0; mode < system_->modes.size(); ++mode)
@@ -88,11 +90,22 @@ double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, doub
   return gradient_.dot(f_dt_) + transversality_change(guard, t, x, f, p_, 1.0, f);
 }
 
+double Propagator::guard_value(const HybridState& state, std::size_t index) const {
+  const Guard& guard = system_->events[index].guard;
+  return guard.level ? guard.level->sign * (state.x[static_cast<Eigen::Index>(guard.level->coordinate)] -
+                                            p_[static_cast<Eigen::Index>(guard.level->level)])
+                     : guard.value(state.t, state.x, p_);
+}
+
+bool Propagator::is_past_a_guard(const HybridState& state) const {
+  const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
+  const std::vector<std::size_t>& events = events_of_mode_[state.mode];
+  return std::any_of(events.begin(), events.end(), [&](std::size_t event) { return guard_value(state, event) > tolerance; });
+}
+
 bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   const Guard& guard = system_->events[index].guard;
-  const double h = guard.level ? guard.level->sign * (state.x[static_cast<Eigen::Index>(guard.level->coordinate)] -
-                                                      p_[static_cast<Eigen::Index>(guard.level->level)])
-                               : guard.value(state.t, state.x, p_);
+  const double h = guard_value(state, index);
   const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
   if (h < -tolerance) return false;
   if (h > tolerance) return true;
@@ -113,12 +126,12 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
   if (!released && !rests(speed)) return speed > 0.0;
   // At rest on the guard: dh/dt a time `rest_glance` later decides, after a midpoint step.
-  constexpr double half = 0.5 * rest_glance;
-  glance_ = state.x + half * f_minus_;
-  flow.field(state.t + half, glance_, f_minus_);
-  glance_ = state.x + rest_glance * f_minus_;
-  flow.field(state.t + rest_glance, glance_, f_minus_);
-  return transversality(guard, state.t + rest_glance, glance_, f_minus_, p_) > 0.0;
+  const double glance = rest_glance * time_unit_;
+  glance_ = state.x + 0.5 * glance * f_minus_;
+  flow.field(state.t + 0.5 * glance, glance_, f_minus_);
+  glance_ = state.x + glance * f_minus_;
+  flow.field(state.t + glance, glance_, f_minus_);
+  return transversality(guard, state.t + glance, glance_, f_minus_, p_) > 0.0;
 }
 
 std::size_t Propagator::fired(const HybridState& state, std::size_t index) const {
@@ -135,8 +148,10 @@ void Propagator::snap_to_guard(HybridState& state, std::size_t index) const {
 }
 
 StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivity) {
+  endless_ = false;
   for (const std::size_t event : events_of_mode_[state.mode]) {
     if (!active_at_start(state, event)) continue;
+    if (!(state.t == record_.t && state.mode == record_.mode_plus && state.x == record_.x_plus)) leave_instant();
     snap_to_guard(state, event);
     const std::size_t first = fired(state, event);
     const auto n = static_cast<Eigen::Index>(system_->states);
@@ -151,12 +166,18 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
       segment_.Phi.setIdentity(n, n);
       segment_.Psi.setZero(n, sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size()));
     }
+    if (++at_instant_ > most_at_instant) {
+      leave_instant();
+      endless_ = true;
+      return StepEnd::failed;
+    }
     cross(state, first, t_end, sensitivity);
     return StepEnd::event;
   }
   if (state.t >= t_end) t_end = state.t;
   flows_[state.mode].carry({state.t, t_end, sensitivity}, state.x, segment_);
   time_carried_ += segment_.t1 - segment_.t0;
+  if (segment_.t1 > segment_.t0) leave_instant();
   if (segment_.end == FlowEnd::failed) return StepEnd::failed;
   most_evaluations_ = std::max(most_evaluations_, segment_.evaluations);
   state.t = segment_.t1;
@@ -177,7 +198,14 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
   return StepEnd::event;
 }
 
+void Propagator::leave_instant() {
+  at_instant_ = 0;
+  fastest_at_instant_ = 0.0;
+  followed_.clear();
+}
+
 Termination Propagator::failure() const {
+  if (endless_) return Termination::event_limit;
   const bool grows = escapes(*system_, p_, segment_.mode, segment_.x1);
   return grows ? Termination::escape : Termination::integration_failed;
 }
@@ -207,20 +235,76 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
     event.reset.map(state.t, record_.x_minus, p_, state.x);
   }
   state.mode = event.to;
+  const bool settles = at_instant_ == settle_at_instant;
+  if (settles) state.mode = mode_at(*system_, state.t, state.x, p_).value_or(event.to);
   record_.x_plus = state.x;
-  record_.mode_plus = event.to;
+  record_.mode_plus = state.mode;
+  record_.follows = !followed_.empty();
+  record_.is_followed = false;
   record_.mass = event.effective_mass ? event.effective_mass(state.t, record_.x_minus, p_) : 1.0;
   record_.normal_speed = transversality(event.guard, state.t, record_.x_minus, f_minus_, p_);
-  flows_[event.to].field(state.t, state.x, f_plus_);
+  flows_[state.mode].field(state.t, state.x, f_plus_);
   plus_known_ = true;
   record_.exit_speed = event.opening_rate               ? event.opening_rate(state.t, state.x, p_)
                        : event.kind == EventKind::leave ? record_.normal_speed
                                                         : -transversality(event.guard, state.t, state.x, f_plus_, p_);
-  if (event.accumulation && accumulate(state, event, t_end, sensitivity)) return;
-  if (sensitivity == Sensitivity::none) return;
   const std::span<const std::size_t> active =
       sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
-  saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active, record_.saltation);
+  const Vector f_before = record_.follows ? f_minus_ : Vector();
+  if (event.accumulation && !settles && accumulate(state, event, t_end, sensitivity)) {
+    if (record_.follows && sensitivity != Sensitivity::none) {
+      const SaltationMatrix own = std::move(record_.saltation);
+      compose_saltation(record_.x_minus, f_before, active);
+      SaltationMatrix& all = record_.saltation;
+      all.regular = all.regular && own.regular;
+      all.S = own.S * all.S;
+      all.Sp = own.S * all.Sp + own.Sp;
+    }
+    followed_.clear();
+    return;
+  }
+  if (sensitivity == Sensitivity::none) return;
+  const bool jumps_on = !is_return_[index] && is_past_a_guard(state);
+  if (!record_.follows && !jumps_on) {
+    saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active, record_.saltation);
+    return;
+  }
+  if (followed_.empty()) f_followed_ = f_minus_;
+  followed_.push_back({&event, record_.x_minus});
+  compose_saltation(record_.x_plus, f_plus_, active);
+  record_.is_followed = jumps_on && record_.saltation.regular;
+  if (record_.is_followed) {
+    record_.saltation.S.setIdentity();
+    record_.saltation.Sp.setZero();
+  } else {
+    followed_.clear();
+  }
+}
+
+void Propagator::compose_saltation(const Vector& x_plus, const Vector& f_plus, std::span<const std::size_t> active) {
+  const double t = record_.t;
+  const Eigen::Index n = x_plus.size();
+  Event all;
+  all.guard = followed_.front().event->guard;
+  all.reset.map = [](double, const Vector& x, const Vector&, Vector& out) { out = x; };  // the derivatives alone are wanted
+  Matrix dx = Matrix::Identity(n, n), dp = Matrix::Zero(n, p_.size());
+  Vector dt = Vector::Zero(n);
+  for (const Jump& jump : followed_) {
+    const Reset& reset = jump.event->reset;
+    if (!reset.map) continue;
+    Matrix own_dx(n, n), own_dp = Matrix::Zero(n, p_.size());
+    Vector own_dt = Vector::Zero(n);
+    reset.dx(t, jump.x_minus, p_, own_dx);
+    if (reset.dp) reset.dp(t, jump.x_minus, p_, own_dp);
+    if (reset.dt) reset.dt(t, jump.x_minus, p_, own_dt);
+    dx = own_dx * dx;
+    dp = own_dx * dp + own_dp;
+    dt = own_dx * dt + own_dt;
+  }
+  all.reset.dx = [&](double, const Vector&, const Vector&, Matrix& out) { out = dx; };
+  all.reset.dp = [&](double, const Vector&, const Vector&, Matrix& out) { out = dp; };
+  all.reset.dt = [&](double, const Vector&, const Vector&, Vector& out) { out = dt; };
+  saltation(all, {t, followed_.front().x_minus, x_plus, f_followed_, f_plus}, p_, active, record_.saltation);
 }
 
 bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {
@@ -231,9 +315,14 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
                               ? event.guard.level->sign * f_plus_[static_cast<Eigen::Index>(event.reset.rebound->velocity)]
                           : event.accumulation->pressing ? event.accumulation->pressing(state.t, state.x, p_)
                                                          : guard_acceleration(event.guard, event.to, state.t, state.x, f_plus_);
-  const double instant = 1e-12 * (1.0 + std::abs(state.t));  // a flight this short counts as none
+  const double unit = std::min(1.0, 2.0 * std::numbers::pi * time_unit_);
+  const double instant = 1e-12 * (unit + std::abs(state.t));  // a flight this short counts as none
   double remaining = 0.0;
-  const bool moving = before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
+  fastest_at_instant_ = std::max(fastest_at_instant_, before);
+  // Impacts of several stops upon each other, at one instant, shrink like the powers of a number: they have an end, too.
+  constexpr double negligible = 1e-12;
+  const bool fades = at_instant_ > many_at_instant && before < negligible * fastest_at_instant_;
+  const bool moving = !fades && before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
   if (moving) {
     if (!(pressing > 0.0)) return false;
     const double flight = 2.0 * after / pressing;
@@ -244,7 +333,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
       // long. They count as complete, too: their impacts come at the wrong speed, which would keep them going.
       const double height = 0.5 * after * after / pressing;
       const bool resolved = height > std::numeric_limits<double>::epsilon() * (1.0 + state.x.lpNorm<Eigen::Infinity>());
-      if (resolved && !(remaining < options_.accumulation_window)) return false;
+      if (resolved && !(remaining < options_.accumulation_window * unit)) return false;
     }
   } else if (!(pressing > -guard_tolerance)) {
     return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
@@ -267,9 +356,20 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     state.x += remaining * f_plus_;
   }
   rest.reset.map(state.t, Vector(state.x), p_, state.x);
+  if (others_move && remaining == 0.0) {
+    // A plastic impact. What it tears from the mass, or drives against it, is not held.
+    constexpr double rounding = 1e-9;
+    const double torn = (state.x - here).lpNorm<Eigen::Infinity>();
+    if (torn > rounding * before + guard_tolerance * (1.0 + here.lpNorm<Eigen::Infinity>())) {
+      state.x = here;
+      return false;
+    }
+  }
   state.mode = rest.sticking_mode;
-  // The mass is held only if it is pressed to the stop at the accumulation point too.
+  // The mass is held only if it is pressed to the stop at the accumulation point too. What hits it where it rests does not
+  // matter.
   for (const std::size_t other : events_of_mode_[state.mode]) {
+    if (!moving && begins_contact(system_->events[other].kind)) continue;
     if (active_at_start(state, other)) {
       state.t = t_impact;
       state.x = here;

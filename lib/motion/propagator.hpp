@@ -15,6 +15,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 
 namespace graze::lanes {
 struct Oscillator;
@@ -34,6 +35,9 @@ enum class StepEnd { failed, time, event };
 inline constexpr double longest_return = 1e4;
 /// An event within this time after the start of a period belongs to the start and does not end the period.
 inline constexpr double at_once = 1e-12;
+/// At one instant, after the first number of events, impacts of negligible speed are plastic; after the second the motion
+/// continues in the mode of its state (mode_at); after the third the run ends with Termination::event_limit.
+inline constexpr int many_at_instant = 32, settle_at_instant = 256, most_at_instant = 512;
 
 class Propagator {
  public:
@@ -90,12 +94,23 @@ class Propagator {
   void field(std::size_t mode, double t, const Vector& x, Vector& out) const { flows_[mode].field(t, x, out); }
 
  private:
+  /// An event since the start of the motion, or since the last flight.
+  struct Jump {
+    const Event* event;
+    Vector x_minus;
+  };
+
+  double guard_value(const HybridState& state, std::size_t index) const;
   bool active_at_start(const HybridState& state, std::size_t index);
+  bool is_past_a_guard(const HybridState& state) const;
   /// The event that fires if the guard of event `index` is met: this event or an alternative.
   std::size_t fired(const HybridState& state, std::size_t index) const;
   void snap_to_guard(HybridState& state, std::size_t index) const;
+  void leave_instant();
   void cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity);
   bool accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity);
+  /// The saltation matrix of all followed_ events and the present one, or of the followed ones alone.
+  void compose_saltation(const Vector& x_plus, const Vector& f_plus, std::span<const std::size_t> active);
   double guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f);
 
   const HybridSystem* system_;
@@ -110,8 +125,14 @@ class Propagator {
   EventRecord record_;
   double time_carried_ = 0.0;
   std::size_t most_evaluations_ = 0;
-  bool plus_known_ = false;  // whether f_plus_ is the field right after record_
-  bool lane_known_ = false;  // whether one_lane_ is up to date
+  bool plus_known_ = false;     // whether f_plus_ is the field right after record_
+  std::vector<Jump> followed_;  // events at this instant with EventRecord::is_followed, in order
+  Vector f_followed_;           // the field before the first of them
+  double time_unit_ = 1.0;
+  int at_instant_ = 0;               // events at this instant
+  double fastest_at_instant_ = 0.0;  // largest speed of their impacts
+  bool endless_ = false;             // whether the last step failed for their number
+  bool lane_known_ = false;          // whether one_lane_ is up to date
   std::shared_ptr<const lanes::Oscillator> one_lane_;
   Vector f_minus_, f_plus_, gradient_, f_dt_, glance_;
   Matrix f_dx_;

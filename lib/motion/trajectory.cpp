@@ -19,7 +19,8 @@ std::string_view termination_text(Termination reason) {
   case Termination::time:
     return "the end time was reached";
   case Termination::event_limit:
-    return "the largest number of events was reached";
+    return "the largest number of events in a run or at one instant was reached; with lengths, times or forces far from 1 in size, "
+           "other units may help";
   case Termination::inadmissible_start:
     return "the start lies inside the barrier";
   case Termination::integration_failed:
@@ -124,7 +125,7 @@ Matrix sample(const HybridSystem& system, const Vector& p, const Trajectory& tra
       started = true;
     }
     if (times[i] > t && times[i] < segment.t1) {
-      flows[segment.mode].carry({t, times[i], Sensitivity::none}, x, stretch);
+      flows[segment.mode].carry({t, times[i], Sensitivity::none, false}, x, stretch);  // up to its end no guard is met
       t = times[i];
       x = stretch.x1;
     }

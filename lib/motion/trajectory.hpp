@@ -23,6 +23,10 @@ struct EventRecord {
   /// Speed of departure: -dh/dt along the field after a hard impact, the gap's rate at the end of a soft contact.
   double exit_speed = 0.0;
   SaltationMatrix saltation;  ///< if sensitivity was asked for
+  /// The event carries the motion past a guard of the next mode, so that another event follows at the same instant, as it also
+  /// does near this motion. The next saltation matrix is then that of both, and this one the identity.
+  bool is_followed = false;
+  bool follows = false;  ///< the event before is followed by this one
 };
 
 struct Trajectory {

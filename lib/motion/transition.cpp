@@ -285,13 +285,13 @@ class Composer {
     if (!tangent_) return true;
     const SaltationMatrix& saltation = record.saltation;
     if (!saltation.regular) return false;
-    if (event.continuous) return true;  // S is the identity
+    if (record.is_followed || (event.continuous && !record.follows)) return true;  // S is the identity
     multiply_from_left(saltation.S, out_.Phi);
     if (parameters_ > 0) out_.Psi = saltation.S * out_.Psi + saltation.Sp;
     const bool singular = note_lost(saltation.S);
     const double volume = singular ? -std::numeric_limits<double>::infinity() : std::log(std::abs(determinant(saltation.S)));
     out_.log_det += volume;
-    const bool known = event.log_volume_change && record.kind != EventKind::stick;
+    const bool known = event.log_volume_change && record.kind != EventKind::stick && !record.follows;
     out_.liouville += known ? event.log_volume_change(propagator_.parameters()) : volume;
     if (options_.keep_factors) {
       out_.factors.push_back(saltation.S);

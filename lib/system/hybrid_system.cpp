@@ -83,6 +83,11 @@ double forcing_period(const HybridSystem& system, const Vector& p) {
   return 2.0 * std::numbers::pi / p[static_cast<Eigen::Index>(*system.forcing_frequency)];
 }
 
+double time_unit(const HybridSystem& system, const Vector& p) {
+  constexpr double longest = 1000.0;  // the forcing may be far slower than the motion
+  return is_forced(system) ? std::min(longest, forcing_period(system, p) / (2.0 * std::numbers::pi)) : 1.0;
+}
+
 Vector forcing_period_dp(const HybridSystem& system, const Vector& p) {
   Vector dp = Vector::Zero(p.size());
   if (system.period) {

@@ -32,7 +32,7 @@ namespace graze {
 
 /// A state lies on a guard if |h| <= guard_tolerance (1 + |x|): a hundred times the rounding error of an event's instant.
 inline constexpr double guard_tolerance = 1e-12;
-/// It rests there if |dh/dt| <= rest_tolerance (1 + |f|); then the sign of dh/dt a time rest_glance later decides.
+/// It rests there if |dh/dt| <= rest_tolerance (1 + |f|); then the sign of dh/dt a time rest_glance time_unit() later decides.
 inline constexpr double rest_tolerance = 1e-15, rest_glance = 1e-6;
 
 /// out = function of (t, x, p); `out` has the right size before the call.
@@ -139,7 +139,7 @@ struct Event {
   /// Effective mass m at the barrier, m = 1 / (W^T M^-1 W) with the gap's gradient W: energies are m (normal speed)^2 / 2.
   /// Empty: m = 1, and energies are per unit mass.
   ScalarFunction effective_mass;
-  /// For an event that ends a soft contact: the rate at which its gap opens. Empty: the rate of the guard, which is the gap.
+  /// The rate at which the gap opens, for an event that ends a soft contact and for an impact. Empty: the guard tells it.
   ScalarFunction opening_rate = {};
   /// ln|det S| if the contact law provides it (Newton: ln k_r^2), for Liouville's identity; empty: computed from S.
   std::function<double(const Vector& p)> log_volume_change;
@@ -177,6 +177,10 @@ inline bool is_forced(const HybridSystem& system) { return system.forcing_freque
 
 /// Forcing period: 2 pi / frequency, or the system's own. @throws std::invalid_argument for an autonomous system.
 double forcing_period(const HybridSystem& system, const Vector& p);
+
+/// The unit of rest_glance, and of FlowOptions::accumulation_window where it is below 1: T / (2 pi), at most 1000; 1 without
+/// forcing.
+double time_unit(const HybridSystem& system, const Vector& p);
 
 /// dT/dp (number of parameters).
 Vector forcing_period_dp(const HybridSystem& system, const Vector& p);

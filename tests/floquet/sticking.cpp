@@ -13,6 +13,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -328,4 +329,48 @@ TEST_CASE("a start beside the constraint of a held mass is moved onto it, a star
   CHECK((moved.x1 - from_there.x1).lpNorm<Eigen::Infinity>() < 1e-14);
   carry(propagator, 0.0, 1.0, Vector(exact + vector({0.01, 0.0, 0.0, 0.0})), {}, moved);  // beyond the stop, no mode named
   CHECK(moved.termination == Termination::inadmissible_start);
+}
+
+TEST_CASE("multipliers include events that follow at once: friction that reverses releases a mass from its stop") {
+  // A driven block drags a light one to a stop, and away from it when the direction of friction changes.
+  SystemWriter writer;
+  writer.system.name = "drag";
+  writer.forcing("w").parameter("w", "1").parameter("mu", "0.5");
+  writer.mechanics({"x", "y"}, {"v", "u_y"},
+                   {{{"1", "0"}, {"0", "1"}},
+                    {{"0.3", "0"}, {"0", "0.2"}},
+                    {{"0.6", "0"}, {"0", "1.7"}},
+                    {"0", "4*cos(w*t) + 0.4*sin(2*w*t)"}});
+  writer.stop("wall", "0.1 - x", "newton", {"0"}).friction("between", "u_y - v", "1", "mu");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const double T = 2.0 * std::numbers::pi;
+  for (const double mu : {0.5, 1.0}) {
+    INFO("mu " << mu);
+    const Vector p = vector({1.0, mu});
+    const PeriodicOrbit orbit = shoot(system, p, settle(system, p, vector({0.0, 0.0, 0.0, 0.0}), {.periods = 200}).state, 1);
+    REQUIRE(orbit.converged());
+    const auto followed = [](const EventRecord& event) { return event.is_followed; };
+    const auto follows = [](const EventRecord& event) { return event.follows; };
+    CHECK(std::count_if(orbit.events.begin(), orbit.events.end(), followed) == 1);
+    CHECK(std::count_if(orbit.events.begin(), orbit.events.end(), follows) == 1);
+    // At t = 1 the light block is off the stop, and may be displaced in either direction.
+    const Vector off = simulate(system, p, 0.0, orbit.state, {.t_end = 1.0}).x;
+    constexpr double h = 1e-4;
+    Matrix differences(4, 4);
+    for (int i = 0; i < 4; ++i) {
+      const auto end = [&](double step) {
+        return simulate(system, p, 1.0, off + step * Vector::Unit(4, i), {.t_end = 1.0 + T}).x;
+      };
+      differences.col(i) = (8.0 * (end(h) - end(-h)) - (end(2.0 * h) - end(-2.0 * h))) / (12.0 * h);
+    }
+    const Eigen::VectorXcd expected = differences.eigenvalues();
+    for (const std::complex<double>& one : orbit.multipliers.values) CHECK((expected.array() - one).abs().minCoeff() < 1e-8);
+    // The derivative in a parameter, too.
+    Propagator propagator(system, p, {1});
+    Transition transition;
+    carry(propagator, 0.0, T, orbit.state, {.sensitivity = Sensitivity::state_and_parameters}, transition);
+    const auto end = [&](double step) { return simulate(system, vector({1.0, mu + step}), 0.0, orbit.state, {.t_end = T}).x; };
+    const Vector by_differences = (8.0 * (end(h) - end(-h)) - (end(2.0 * h) - end(-2.0 * h))) / (12.0 * h);
+    CHECK((transition.Psi.col(0) - by_differences).cwiseAbs().maxCoeff() < 1e-8);
+  }
 }

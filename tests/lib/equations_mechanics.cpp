@@ -620,6 +620,8 @@ TEST_CASE("each mistake in mechanics gives one sentence with its place") {
           "system.toml:13:1: the gap of wall depends on no coordinate");
   REQUIRE(mistake(two(unit).stop("wall", "1 - z", "newton", {"1"}).system) ==
           "system.toml:13:5: unknown name 'z' in the gap of wall");
+  REQUIRE(mistake(two(unit).stop("wall", "1 - x/(m - 1)", "newton", {"1"}).system) ==
+          "system.toml:13:7: the divisor m - 1 is zero at the default parameters");
   REQUIRE(mistake(two(unit).stop("wall", "1 - x", "newtn", {"1"}).system) ==
           "system.toml:14:1: the stop wall has an unknown law 'newtn'; did you mean 'newton'?; known are newton, hertz, linear "
           "and force");
