@@ -29,6 +29,7 @@ Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<
     for (const std::size_t event : returns_of(system)) is_return_[event] = true;
   for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_, &glance_}) v->resize(n);
   f_dx_.resize(n, n);
+  record_.x_plus.setConstant(n, std::numeric_limits<double>::quiet_NaN());  // no state is the one behind an event yet
   set_parameters(p);
 }
 
@@ -366,8 +367,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     }
   }
   state.mode = rest.sticking_mode;
-  // The mass is held only if it is pressed to the stop at the accumulation point too. What hits it where it rests does not
-  // matter.
+  // The mass is held only if it is pressed to the stop at the accumulation point too. At rest, what hits it does not matter.
   for (const std::size_t other : events_of_mode_[state.mode]) {
     if (!moving && begins_contact(system_->events[other].kind)) continue;
     if (active_at_start(state, other)) {

@@ -94,7 +94,7 @@ class Propagator {
   void field(std::size_t mode, double t, const Vector& x, Vector& out) const { flows_[mode].field(t, x, out); }
 
  private:
-  /// An event since the start of the motion, or since the last flight.
+  /// An event that another one follows at once, and the state before it.
   struct Jump {
     const Event* event;
     Vector x_minus;
