@@ -32,6 +32,14 @@ std::string_view line_of(std::string_view text, std::size_t number) {
   return text.ends_with('\r') ? text.substr(0, text.size() - 1) : text;
 }
 
+/// The text with a question mark for each control character, which would act on the terminal or end the message.
+std::string printable(std::string_view text) {
+  std::string out(text);
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return (c >= 0 && c < ' ' && c != '\t') || c == '\x7f'; }, '?');
+  return out;
+}
+
 std::string make_sentence(const Source& source, const Place& place, const std::string& message) {
   if (place.line == 0) return fmt::format("{}: {}", source.file, message);
   return fmt::format("{}:{}:{}: {}", source.file, place.line, place.column, message);
@@ -52,7 +60,7 @@ std::string make_report(const Source& source, const Place& place, const std::str
     line.remove_prefix(byte_of(line, first));
     line = line.substr(0, byte_of(line, widest_line));
   }
-  out += fmt::format("\n{}{}{}\n{}", before, line, after, std::string(before.size(), ' '));
+  out += fmt::format("\n{}{}{}\n{}", before, printable(line), after, std::string(before.size(), ' '));
   const std::string_view ahead = line.substr(0, byte_of(line, at - first));
   for (const char c : ahead)
     if (!continues_character(c)) out += c == '\t' ? '\t' : ' ';

@@ -249,30 +249,29 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   record_.exit_speed = event.opening_rate               ? event.opening_rate(state.t, state.x, p_)
                        : event.kind == EventKind::leave ? record_.normal_speed
                                                         : -transversality(event.guard, state.t, state.x, f_plus_, p_);
+  f_before_ = f_minus_;
+  const Rest rest = event.accumulation && !settles ? accumulate(state, event, t_end) : Rest::none;
+  if (sensitivity == Sensitivity::none) return;
+  if (rest != Rest::none) flows_[state.mode].field(state.t, state.x, f_plus_);
   const std::span<const std::size_t> active =
       sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
-  const Vector f_before = record_.follows ? f_minus_ : Vector();
-  if (event.accumulation && !settles && accumulate(state, event, t_end, sensitivity)) {
-    if (record_.follows && sensitivity != Sensitivity::none) {
-      const SaltationMatrix own = std::move(record_.saltation);
-      compose_saltation(record_.x_minus, f_before, active);
-      SaltationMatrix& all = record_.saltation;
-      all.regular = all.regular && own.regular;
-      all.S = own.S * all.S;
-      all.Sp = own.S * all.Sp + own.Sp;
-    }
-    followed_.clear();
-    return;
+  const bool jumps_on = rest != Rest::after_chatter && !is_return_[index] && is_past_a_guard(state);
+  const Crossing crossing{record_.t, record_.x_minus, record_.x_plus, f_before_, f_plus_};
+  if (rest == Rest::after_chatter) {
+    saltation_of_rest(event, active);
+  } else if (record_.follows || jumps_on) {
+    if (!record_.follows) f_followed_ = f_before_;
+    followed_.push_back({&event.guard, rest == Rest::none ? &event.reset : &event.accumulation->reset, record_.x_minus});
+    compose_saltation(record_.x_plus, f_plus_, active);
+  } else if (rest == Rest::none) {
+    saltation(event, crossing, p_, active, record_.saltation);
+  } else {
+    Event plastic;
+    plastic.guard = event.guard;
+    plastic.reset = event.accumulation->reset;
+    saltation(plastic, crossing, p_, active, record_.saltation);
+    if (!record_.saltation.regular) saltation_of_rest(event, active);
   }
-  if (sensitivity == Sensitivity::none) return;
-  const bool jumps_on = !is_return_[index] && is_past_a_guard(state);
-  if (!record_.follows && !jumps_on) {
-    saltation(event, {state.t, record_.x_minus, record_.x_plus, f_minus_, f_plus_}, p_, active, record_.saltation);
-    return;
-  }
-  if (followed_.empty()) f_followed_ = f_minus_;
-  followed_.push_back({&event, record_.x_minus});
-  compose_saltation(record_.x_plus, f_plus_, active);
   record_.is_followed = jumps_on && record_.saltation.regular;
   if (record_.is_followed) {
     record_.saltation.S.setIdentity();
@@ -286,12 +285,12 @@ void Propagator::compose_saltation(const Vector& x_plus, const Vector& f_plus, s
   const double t = record_.t;
   const Eigen::Index n = x_plus.size();
   Event all;
-  all.guard = followed_.front().event->guard;
+  all.guard = *followed_.front().guard;
   all.reset.map = [](double, const Vector& x, const Vector&, Vector& out) { out = x; };  // the derivatives alone are wanted
   Matrix dx = Matrix::Identity(n, n), dp = Matrix::Zero(n, p_.size());
   Vector dt = Vector::Zero(n);
   for (const Jump& jump : followed_) {
-    const Reset& reset = jump.event->reset;
+    const Reset& reset = *jump.reset;
     if (!reset.map) continue;
     Matrix own_dx(n, n), own_dp = Matrix::Zero(n, p_.size());
     Vector own_dt = Vector::Zero(n);
@@ -308,7 +307,7 @@ void Propagator::compose_saltation(const Vector& x_plus, const Vector& f_plus, s
   saltation(all, {t, followed_.front().x_minus, x_plus, f_followed_, f_plus}, p_, active, record_.saltation);
 }
 
-bool Propagator::accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity) {
+Propagator::Rest Propagator::accumulate(HybridState& state, const Event& event, double t_end) {
   const double before = record_.normal_speed;
   const double after = std::max(0.0, record_.exit_speed);
   // At a level guard with a Rebound, the pressing acceleration is the field's velocity component.
@@ -325,26 +324,26 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   const bool fades = at_instant_ > many_at_instant && before < negligible * fastest_at_instant_;
   const bool moving = !fades && before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
   if (moving) {
-    if (!(pressing > 0.0)) return false;
+    if (!(pressing > 0.0)) return Rest::none;
     const double flight = 2.0 * after / pressing;
     if (flight > instant) {
-      if (after >= before) return false;  // no loss: a series of equal flights does not end
+      if (after >= before) return Rest::none;  // no loss: a series of equal flights does not end
       remaining = flight / (1.0 - after / before);
       // Where the mass is hardly pressed to its stop, near its release, bounces that are lower than the state's rounding may last
       // long. They count as complete, too: their impacts come at the wrong speed, which would keep them going.
       const double height = 0.5 * after * after / pressing;
       const bool resolved = height > std::numeric_limits<double>::epsilon() * (1.0 + state.x.lpNorm<Eigen::Infinity>());
-      if (resolved && !(remaining < options_.accumulation_window * unit)) return false;
+      if (resolved && !(remaining < options_.accumulation_window * unit)) return Rest::none;
     }
   } else if (!(pressing > -guard_tolerance)) {
-    return false;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
+    return Rest::none;  // at rest and pulled away (in balance, the guards of the sticking mode decide)
   }
   if (remaining > t_end - state.t) {  // the run ends within the series
-    if (remaining > instant) return false;
+    if (remaining > instant) return Rest::none;
     remaining = std::max(0.0, t_end - state.t);
   }
   const Accumulation& rest = *event.accumulation;
-  const Vector here = state.x, f_minus = f_minus_;
+  const Vector here = state.x;
   const double t_impact = state.t;
   // Where other masses move along, the series is one plastic impact, after which the mass is held. The stop acts in one direction
   // only: on the way the motion differs from the held one by the bounce in this direction alone, which is over at the
@@ -363,7 +362,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
     const double torn = (state.x - here).lpNorm<Eigen::Infinity>();
     if (torn > rounding * before + guard_tolerance * (1.0 + here.lpNorm<Eigen::Infinity>())) {
       state.x = here;
-      return false;
+      return Rest::none;
     }
   }
   state.mode = rest.sticking_mode;
@@ -374,8 +373,7 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
       state.t = t_impact;
       state.x = here;
       state.mode = event.to;
-      f_minus_ = f_minus;
-      return false;
+      return Rest::none;
     }
   }
   plus_known_ = false;
@@ -385,33 +383,31 @@ bool Propagator::accumulate(HybridState& state, const Event& event, double t_end
   record_.exit_speed = 0.0;
   record_.x_plus = state.x;
   record_.mode_plus = state.mode;
-  if (sensitivity == Sensitivity::none) return true;
-  const auto n = static_cast<Eigen::Index>(system_->states);
-  const auto m = sensitivity == Sensitivity::state ? 0 : static_cast<Eigen::Index>(active_.size());
-  SaltationMatrix& saltation = record_.saltation;
-  if (others_move) {
-    Event plastic;
-    plastic.guard = event.guard;
-    plastic.reset = rest.reset;
-    flows_[state.mode].field(t_impact, record_.x_plus, f_plus_);
-    const std::span<const std::size_t> active =
-        sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
-    graze::saltation(plastic, {t_impact, record_.x_minus, record_.x_plus, f_minus, f_plus_}, p_, active, saltation);
-    if (saltation.regular) return true;
-  }
-  // To first order, the accumulation point does not depend on the path to it: the map is the derivative of the reset.
-  saltation.regular = true;
-  saltation.transversality = before;
-  saltation.S.resize(n, n);
-  rest.reset.dx(state.t, here, p_, saltation.S);
-  saltation.Sp.setZero(n, m);
-  if (rest.reset.dp && m > 0) {
+  rest_from_ = here;
+  return others_move ? Rest::at_impact : Rest::after_chatter;
+}
+
+void Propagator::saltation_of_rest(const Event& event, std::span<const std::size_t> active) {
+  SaltationMatrix own;
+  const Eigen::Index n = record_.x_plus.size(), m = static_cast<Eigen::Index>(active.size());
+  own.regular = true;
+  own.transversality = record_.normal_speed;
+  own.S.resize(n, n);
+  const Reset& reset = event.accumulation->reset;
+  reset.dx(record_.t, rest_from_, p_, own.S);
+  own.Sp.setZero(n, m);
+  if (reset.dp && m > 0) {
     Matrix dp = Matrix::Zero(n, p_.size());
-    rest.reset.dp(state.t, here, p_, dp);
-    for (Eigen::Index k = 0; k < m; ++k)
-      saltation.Sp.col(k) = dp.col(static_cast<Eigen::Index>(active_[static_cast<std::size_t>(k)]));
+    reset.dp(record_.t, rest_from_, p_, dp);
+    for (Eigen::Index k = 0; k < m; ++k) own.Sp.col(k) = dp.col(static_cast<Eigen::Index>(active[static_cast<std::size_t>(k)]));
   }
-  return true;
+  if (record_.follows) {
+    compose_saltation(record_.x_minus, f_before_, active);
+    own.regular = record_.saltation.regular;
+    own.Sp += own.S * record_.saltation.Sp;
+    own.S = own.S * record_.saltation.S;
+  }
+  record_.saltation = std::move(own);
 }
 
 }  // namespace graze

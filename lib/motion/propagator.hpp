@@ -96,9 +96,12 @@ class Propagator {
  private:
   /// An event that another one follows at once, and the state before it.
   struct Jump {
-    const Event* event;
+    const Guard* guard;
+    const Reset* reset;
     Vector x_minus;
   };
+  /// How an impact comes to rest: not at all, as a plastic impact, or at the accumulation point.
+  enum class Rest { none, at_impact, after_chatter };
 
   double guard_value(const HybridState& state, std::size_t index) const;
   bool active_at_start(const HybridState& state, std::size_t index);
@@ -108,8 +111,10 @@ class Propagator {
   void snap_to_guard(HybridState& state, std::size_t index) const;
   void leave_instant();
   void cross(HybridState& state, std::size_t index, double t_end, Sensitivity sensitivity);
-  bool accumulate(HybridState& state, const Event& event, double t_end, Sensitivity sensitivity);
-  /// The saltation matrix of all followed_ events and the present one, or of the followed ones alone.
+  Rest accumulate(HybridState& state, const Event& event, double t_end);
+  /// To first order, the accumulation point does not depend on the path to it: the map is the derivative of the reset.
+  void saltation_of_rest(const Event& event, std::span<const std::size_t> active);
+  /// The saltation matrix of all followed_ events as one.
   void compose_saltation(const Vector& x_plus, const Vector& f_plus, std::span<const std::size_t> active);
   double guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f);
 
@@ -128,6 +133,8 @@ class Propagator {
   bool plus_known_ = false;     // whether f_plus_ is the field right after record_
   std::vector<Jump> followed_;  // events at this instant with EventRecord::is_followed, in order
   Vector f_followed_;           // the field before the first of them
+  Vector f_before_;             // the field before the last event
+  Vector rest_from_;            // the state from which the last event's accumulation came to rest
   double time_unit_ = 1.0;
   int at_instant_ = 0;               // events at this instant
   double fastest_at_instant_ = 0.0;  // largest speed of their impacts

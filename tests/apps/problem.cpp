@@ -6,7 +6,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <stdexcept>
+#include <string>
 
 using namespace graze;
 using namespace graze::apps;
@@ -20,13 +22,14 @@ const std::string newton = "[model]\noscillator = \"linear\"\ncontact = \"newton
 
 Problem parsed(const std::string& text) { return parse_problem(text, "p.toml"); }
 
-/// The message with which a file is refused; it is one line.
+/// The message with which a file is refused: one line, and the place of what is not TOML below.
 std::string refused(const std::string& text) {
   try {
     parsed(text);
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();
-    CHECK(message.find('\n') == std::string::npos);
+    const auto breaks = std::count(message.begin(), message.end(), '\n');
+    CHECK(breaks == (message.find("not valid TOML") != std::string::npos ? 2 : 0));
     CHECK_THAT(message, Contains("p.toml"));
     return message;
   }
@@ -171,6 +174,7 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
   }
   SECTION("TOML") {
     CHECK_THAT(refused(model + "[parametres]\nb = 1\n"), Contains("\"parametres\"") && Contains("did you mean \"parameters\""));
+    CHECK_THAT(refused(model + std::string("x\0 = 1\n", 7)), Contains("p.toml:4:2: not valid TOML") && Contains("\nx? = 1\n ^"));
     CHECK_THAT(refused(model + "[parameters]\nb = \n"), Contains("p.toml:5") && Contains("not valid TOML"));
     CHECK_THAT(refused(model + "[parameters]\nb = 1\nb = 2\n"), Contains("p.toml:6:5: not valid TOML") && Contains("\n    ^"));
     CHECK_THAT(refused(""), Contains("[model]"));

@@ -634,8 +634,8 @@ TEST_CASE("each mistake in mechanics gives one sentence with its place") {
   REQUIRE(mistake(two(unit).stop("wall", "1 - x + sin(t)", "newton", {"1"}).system) ==
           "system.toml:13:1: the guard of wall depends on the time, but neither a forcing frequency nor a period is given");
   SystemWriter many = two(unit);
-  for (int i = 0; i < 7; ++i) many.stop("s" + std::to_string(i), "1 - x", "linear", {"1"});
-  REQUIRE(mistake(many.system) == "system.toml:36:1: stops and friction up to s6 make 128 modes; at most 64 are made");
+  for (int i = 0; i < 9; ++i) many.stop("s" + std::to_string(i), "1 - x", "linear", {"1"});
+  REQUIRE(mistake(many.system) == "system.toml:44:1: stops and friction up to s8 make 512 modes; at most 256 are made");
   // The sliding speed u, a velocity of the same name, and the rate of a velocity.
   const auto slides = [&](const std::string& law, const std::string& velocity) {
     SystemWriter writer;
