@@ -475,6 +475,12 @@ std::vector<Expression> reachable(const Graph& graph, std::span<const Expression
   return out;
 }
 
+std::optional<Expression> divisor_of(const Graph& graph, Expression e) {
+  const Node n = graph.node(e);
+  if (n.operation == Operation::divide) return n.b;
+  return n.operation == Operation::integer_power && n.value < 0.0 ? std::optional(n.a) : std::nullopt;
+}
+
 Dependence dependence(const Graph& graph, std::span<const Expression> roots) {
   Dependence out;
   for (const Expression e : reachable(graph, roots)) {

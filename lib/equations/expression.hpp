@@ -147,6 +147,8 @@ struct Dependence {
   bool moves() const { return time || rate || !states.empty(); }
 };
 Dependence dependence(const Graph& graph, std::span<const Expression> roots);
+/// b of a/b, a of a^-n; nullopt: e is no quotient.
+std::optional<Expression> divisor_of(const Graph& graph, Expression e);
 inline Dependence dependence(const Graph& graph, Expression root) { return dependence(graph, {&root, 1}); }
 
 /// The names of states and parameters, for printing.

@@ -576,7 +576,7 @@ class Separation {
         const Expression argument = mode.splitter.argument(i, signs);
         EventPiece event;
         event.name = fmt::format("{} {}", shown(mode.splitter.switches[i].argument), signs[i] > 0 ? "falls" : "rises");
-        event.text = made_event;
+        event.text = split_event;
         event.from = mode.first + number;
         event.guard = signs[i] > 0 ? graph_.negate(argument) : argument;
         for (std::size_t j = 0; j < pieces_.modes[m].field.size(); ++j) event.map.push_back(graph_.state(j));

@@ -127,12 +127,11 @@ std::optional<NotFinite> find_pole(const TextSystem& text, std::size_t mode, dou
   for (const Root& root : roots_of(text, mode))
     for (const Expression part : reachable(*text.graph, root.expression)) {
       const Node n = text.graph->node(part);
-      const bool power = n.operation == Operation::integer_power && n.value < 0.0;
       const bool tangent = n.operation == Operation::tan;  // sin/cos
-      if (n.operation != Operation::divide && !power && !tangent) continue;
-      const Expression divisor = power || tangent ? n.a : n.b;
+      const std::optional<Expression> divisor = tangent ? std::optional(n.a) : divisor_of(*text.graph, part);
+      if (!divisor) continue;
       const auto value = [&](double t, const Vector& x) {
-        const double operand = value_of(*text.graph, divisor, t, x, p);
+        const double operand = value_of(*text.graph, *divisor, t, x, p);
         return tangent ? std::cos(operand) : operand;
       };
       const double before = value(t0, x0), after = value(t1, x1);
@@ -140,7 +139,7 @@ std::optional<NotFinite> find_pole(const TextSystem& text, std::size_t mode, dou
       if (!passes && !nears) continue;
       return NotFinite{known_place(*text.graph, text.hazards, part).value_or(root.place),
                        fmt::format("the {} {} goes {} zero", tangent ? "cosine, in the tangent, of" : "divisor",
-                                   to_text(*text.graph, divisor, text.symbols, longest_part), passes ? "through" : "to"),
+                                   to_text(*text.graph, *divisor, text.symbols, longest_part), passes ? "through" : "to"),
                        true};
     }
   return std::nullopt;

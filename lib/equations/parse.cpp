@@ -487,16 +487,6 @@ bool is_name(std::string_view text) {
   return !text.empty();
 }
 
-namespace {
-
-std::optional<Expression> divisor(const Graph& graph, Expression quotient) {
-  const Node n = graph.node(quotient);
-  if (n.operation == Operation::divide) return n.b;
-  return n.operation == Operation::integer_power && n.value < 0.0 ? std::optional(n.a) : std::nullopt;
-}
-
-}  // namespace
-
 std::optional<Place> known_place(const Graph& graph, const std::vector<Hazard>& hazards, Expression node) {
   const auto first = [&](const auto& matches) -> std::optional<Place> {
     const auto found = std::find_if(hazards.begin(), hazards.end(), matches);
@@ -505,8 +495,8 @@ std::optional<Place> known_place(const Graph& graph, const std::vector<Hazard>& 
   for (std::optional<Expression> at = node; at; at = graph.origin(*at))
     if (const auto place = first([&](const Hazard& one) { return one.node == *at; })) return place;
   for (std::optional<Expression> at = node; at; at = graph.origin(*at))
-    if (const auto by = divisor(graph, *at))
-      if (const auto place = first([&](const Hazard& one) { return divisor(graph, one.node) == by; })) return place;
+    if (const auto divisor = divisor_of(graph, *at))
+      if (const auto place = first([&](const Hazard& one) { return divisor_of(graph, one.node) == divisor; })) return place;
   return std::nullopt;
 }
 

@@ -10,8 +10,8 @@
 
 namespace graze::equations {
 
-/// In EventPiece::text: the event is not in the text, but made from mechanics, a surface or a nonsmooth function.
-inline constexpr std::size_t made_event = static_cast<std::size_t>(-1);
+/// In EventPiece::text: the event is not in the text, but made from mechanics or a surface, or from a nonsmooth function.
+inline constexpr std::size_t made_event = static_cast<std::size_t>(-1), split_event = made_event - 1;
 
 /// See Constraint.
 struct ConstraintPiece {

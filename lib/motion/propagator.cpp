@@ -13,6 +13,14 @@
 
 namespace graze {
 
+namespace {
+
+/// At one instant, after the first number of events, impacts of negligible speed are plastic; after the second the motion
+/// continues in the mode of its state (mode_at); after the third the run ends with Termination::event_limit.
+constexpr int many_at_instant = 32, settle_at_instant = 256, most_at_instant = 512;
+
+}  // namespace
+
 Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active, const FlowOptions& options)
     : system_(&system), active_(std::move(active)), options_(options), events_of_mode_(system.modes.size()) {
   validate(system);
@@ -98,6 +106,10 @@ double Propagator::guard_value(const HybridState& state, std::size_t index) cons
                      : guard.value(state.t, state.x, p_);
 }
 
+bool Propagator::is_behind_last_event(const HybridState& state) const {
+  return state.t == record_.t && state.mode == record_.mode_plus && state.x == record_.x_plus;
+}
+
 bool Propagator::is_past_a_guard(const HybridState& state) const {
   const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
   const std::vector<std::size_t>& events = events_of_mode_[state.mode];
@@ -112,7 +124,7 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   if (h > tolerance) return true;
   const Flow& flow = flows_[state.mode];
   const auto rests = [&](double speed) { return std::abs(speed) <= rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>()); };
-  const bool just_crossed = plus_known_ && state.t == record_.t && state.mode == record_.mode_plus && state.x == record_.x_plus;
+  const bool just_crossed = plus_known_ && is_behind_last_event(state);
   // A release begins at a balance of forces. What was held until then rests, although the rounding of the forces moves it.
   bool released = false;
   if (just_crossed && record_.kind == EventKind::release) {
@@ -152,7 +164,7 @@ StepEnd Propagator::step(HybridState& state, double t_end, Sensitivity sensitivi
   endless_ = false;
   for (const std::size_t event : events_of_mode_[state.mode]) {
     if (!active_at_start(state, event)) continue;
-    if (!(state.t == record_.t && state.mode == record_.mode_plus && state.x == record_.x_plus)) leave_instant();
+    if (!is_behind_last_event(state)) leave_instant();
     snap_to_guard(state, event);
     const std::size_t first = fired(state, event);
     const auto n = static_cast<Eigen::Index>(system_->states);
@@ -252,25 +264,19 @@ void Propagator::cross(HybridState& state, std::size_t index, double t_end, Sens
   f_before_ = f_minus_;
   const Rest rest = event.accumulation && !settles ? accumulate(state, event, t_end) : Rest::none;
   if (sensitivity == Sensitivity::none) return;
-  if (rest != Rest::none) flows_[state.mode].field(state.t, state.x, f_plus_);
+  if (rest == Rest::at_impact) flows_[state.mode].field(state.t, state.x, f_plus_);
   const std::span<const std::size_t> active =
       sensitivity == Sensitivity::state ? std::span<const std::size_t>{} : std::span<const std::size_t>(active_);
   const bool jumps_on = rest != Rest::after_chatter && !is_return_[index] && is_past_a_guard(state);
-  const Crossing crossing{record_.t, record_.x_minus, record_.x_plus, f_before_, f_plus_};
   if (rest == Rest::after_chatter) {
     saltation_of_rest(event, active);
-  } else if (record_.follows || jumps_on) {
+  } else if (record_.follows || jumps_on || rest == Rest::at_impact) {
     if (!record_.follows) f_followed_ = f_before_;
     followed_.push_back({&event.guard, rest == Rest::none ? &event.reset : &event.accumulation->reset, record_.x_minus});
     compose_saltation(record_.x_plus, f_plus_, active);
-  } else if (rest == Rest::none) {
-    saltation(event, crossing, p_, active, record_.saltation);
+    if (!record_.saltation.regular && rest == Rest::at_impact && !record_.follows) saltation_of_rest(event, active);
   } else {
-    Event plastic;
-    plastic.guard = event.guard;
-    plastic.reset = event.accumulation->reset;
-    saltation(plastic, crossing, p_, active, record_.saltation);
-    if (!record_.saltation.regular) saltation_of_rest(event, active);
+    saltation(event, {record_.t, record_.x_minus, record_.x_plus, f_before_, f_plus_}, p_, active, record_.saltation);
   }
   record_.is_followed = jumps_on && record_.saltation.regular;
   if (record_.is_followed) {

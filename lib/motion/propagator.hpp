@@ -35,9 +35,6 @@ enum class StepEnd { failed, time, event };
 inline constexpr double longest_return = 1e4;
 /// An event within this time after the start of a period belongs to the start and does not end the period.
 inline constexpr double at_once = 1e-12;
-/// At one instant, after the first number of events, impacts of negligible speed are plastic; after the second the motion
-/// continues in the mode of its state (mode_at); after the third the run ends with Termination::event_limit.
-inline constexpr int many_at_instant = 32, settle_at_instant = 256, most_at_instant = 512;
 
 class Propagator {
  public:
@@ -105,6 +102,7 @@ class Propagator {
 
   double guard_value(const HybridState& state, std::size_t index) const;
   bool active_at_start(const HybridState& state, std::size_t index);
+  bool is_behind_last_event(const HybridState& state) const;
   bool is_past_a_guard(const HybridState& state) const;
   /// The event that fires if the guard of event `index` is met: this event or an alternative.
   std::size_t fired(const HybridState& state, std::size_t index) const;

@@ -52,12 +52,8 @@ std::optional<EquationError> find_sliding(const TextSystem& text, const Trajecto
   if (run.events.size() < 2) return std::nullopt;
   const EventRecord &before = run.events[run.events.size() - 2], &last = run.events.back();
   const Event &there = text.system.events[before.event], &back = text.system.events[last.event];
-  const auto split = [&](const EventRecord& event) {
-    const std::string& name = text.system.events[event.event].name;
-    return text.events[event.event].text == made_event && (name.ends_with(" rises") || name.ends_with(" falls"));
-  };
-  if (!split(before) || !split(last) || back.continuous || back.from != there.to || back.to != there.from ||
-      last.t - before.t > same_instant)
+  const bool split = text.events[before.event].text == split_event && text.events[last.event].text == split_event;
+  if (!split || back.continuous || back.from != there.to || back.to != there.from || last.t - before.t > same_instant)
     return std::nullopt;
   const std::string argument = back.name.substr(0, back.name.rfind(' '));  // behind it: rises or falls
   return not_finite_error(

@@ -22,7 +22,7 @@ const std::string newton = "[model]\noscillator = \"linear\"\ncontact = \"newton
 
 Problem parsed(const std::string& text) { return parse_problem(text, "p.toml"); }
 
-/// The message with which a file is refused: one line, and the place of what is not TOML below.
+/// The message with which a file is refused. It is one line; if the file is not TOML, two more lines show the place.
 std::string refused(const std::string& text) {
   try {
     parsed(text);
