@@ -44,7 +44,8 @@ struct Options {
 /// Whether a branch ended at a regular end, rather than because the computation could not continue.
 bool ended_well(const Branch& branch) {
   return branch.stop == BranchStop::reached_bound || branch.stop == BranchStop::parameter_range ||
-         branch.stop == BranchStop::grazing || branch.stop == BranchStop::chatter || branch.stop == BranchStop::returned;
+         branch.stop == BranchStop::grazing || branch.stop == BranchStop::chatter || branch.stop == BranchStop::returned ||
+         branch.stop == BranchStop::equilibrium;
 }
 
 ContinuationOptions continuation_options(const Options& options, double start, Progress& progress) {

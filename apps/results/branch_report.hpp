@@ -47,7 +47,7 @@ template <>
 struct JsonForm<BranchStop>
     : ChoiceForm<BranchStop, branch_stop_name, BranchStop::reached_bound, BranchStop::parameter_range, BranchStop::point_limit,
                  BranchStop::grazing, BranchStop::step_too_small, BranchStop::chatter, BranchStop::returned,
-                 BranchStop::start_failed, BranchStop::interrupted> {};
+                 BranchStop::equilibrium, BranchStop::start_failed, BranchStop::interrupted> {};
 template <> struct JsonForm<Detail> {
   static Json json(const Detail& detail) {
     return std::visit([](const auto& value) { return Json(value); }, detail);

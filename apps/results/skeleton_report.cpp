@@ -160,6 +160,8 @@ const Columns<SkeletonSeed>& kept_columns() {
                                       {"section_phase", "forcing phase over 2 pi of the first node", &O::section_phase},
                                       {"duration [time]", "of the orbit", &O::duration},
                                       multipliers_column<O>(),
+                                      {"newton", "how Newton's method came to it", &O::newton},
+                                      admissible_column<O>(),
                                       {"isolated_impacts", "impacts outside complete chatters", &O::isolated_impacts}};
   static const Columns<SkeletonSeed> list =
       joined<SkeletonSeed>({{{"part", "of the search for seeds", &SkeletonSeed::part}}, of_part(of_orbit, &SkeletonSeed::orbit)});
@@ -169,19 +171,17 @@ const Columns<SkeletonSeed>& kept_columns() {
 PeriodicOrbit kept_orbit(const Json& json, const Problem& at) {
   SkeletonSeed seed;
   PeriodicOrbit& orbit = seed.orbit;
-  const bool whole = json.contains("nodes");
+  const bool whole = json.contains("admissible");
   read(of_part<SkeletonSeed, PeriodicOrbit>(seed_orbit_columns(), &SkeletonSeed::orbit), json, seed);
   if (whole) read(kept_columns(), json, seed);
   for (const std::vector<Vector>* list : {&orbit.states, &orbit.nodes})
     for (const Vector& state : *list)
       if (static_cast<std::size_t>(state.size()) != at.system.states) throw std::invalid_argument("a state of another size");
   if (orbit.states.empty() || orbit.nodes.empty()) throw std::invalid_argument("an orbit without states");
-  // Results of older versions contain only the state: the orbit is the same to rounding.
+  // Results of older versions contain less: the orbit is the same to rounding.
   if (!whole) return shoot(at.system, at.parameters, orbit.states.front(), orbit.period);
   orbit.parameters = at.parameters;
   orbit.state = orbit.states.front();
-  orbit.newton.status = NewtonStatus::converged;
-  orbit.admissible = Admissibility::admissible;
   return orbit;
 }
 

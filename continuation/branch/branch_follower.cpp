@@ -3,6 +3,7 @@
 #include <graze/continuation/branch/branch_follower.hpp>
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
+#include <graze/continuation/conditions/hopf.hpp>
 #include <graze/continuation/problems/clear_section.hpp>
 
 #include <fmt/format.h>
@@ -65,6 +66,22 @@ bool may_pass_zero_twice(const ValueAt& earlier, const ValueAt& before, const Va
   const double there =
       earlier.value + slope * (turn - earlier.arclength) + bend * (turn - earlier.arclength) * (turn - before.arclength);
   return there / before.value < near;
+}
+
+/// Whether the multipliers jump between two orbits with the same impacts, because other events come or go: the orbit touches a
+/// surface, on which it then slides or sticks.
+bool is_kink(const BranchPoint& before, const BranchPoint& after) {
+  constexpr double jump = 0.1;  // relative to 1 + |mu|
+  if (before.impacts != after.impacts || before.signature.events == after.signature.events) return false;
+  const auto &a = before.multipliers.values, &b = after.multipliers.values;
+  double farthest = 0.0, size = 1.0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const auto near = std::min_element(b.begin(), b.end(),
+                                       [&](const auto& x, const auto& y) { return std::abs(x - a[i]) < std::abs(y - a[i]); });
+    farthest = std::max(farthest, std::abs(*near - a[i]));
+    size = std::max(size, 1.0 + std::abs(a[i]));
+  }
+  return farthest > jump * size;
 }
 
 /// Whether a pinned state no longer keeps its value at this point: its closing equation is a condition again.
@@ -172,9 +189,9 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   return true;
 }
 
-/// Ends the branch just before the orbit of half its period, and locates the special points up to there.
-Verdict BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after,
-                                    Branch& branch) {
+/// Ends the branch just before a place in the step where its orbits end, and locates the special points up to there. Sets `ends`.
+Verdict BranchFollower::end_before(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after,
+                                   Branch& branch, bool& ends) {
   constexpr double just_before = 0.9;
   const Vector chord = after.u - before.u;
   CurvePoint last;
@@ -187,7 +204,7 @@ Verdict BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& be
   if (point.isolated_impacts != branch.points.back().isolated_impacts) return Verdict::reject;
   if (!take(problem, before, last, std::move(point), {}, branch)) return Verdict::reject;
   after = std::move(last);
-  returned_ = true;
+  ends = true;
   return Verdict::stop;
 }
 
@@ -216,8 +233,16 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (change == 1 && hard_contacts_) return Verdict::reject;
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
-  if (const auto part = half_period_crossing(problem, before.u, after.u))
-    return end_at_half(problem, before, *part, after, branch);
+  if (is_kink(branch.points.back(), point)) {
+    if (!close) return Verdict::reject;
+    const bool rises = problem.value(after.u) > problem.value(before.u), rose = before.tangent[before.tangent.size() - 1] > 0.0;
+    append_beyond_kink(problem, after, std::move(point), rises == rose, branch);
+    return end ? Verdict::stop : Verdict::go_on;
+  }
+  if (const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u)))
+    return end_before(problem, before, *part, after, branch, returned_);
+  if (const auto part = zero_crossing(field_at_first_node(problem, before.u), field_at_first_node(problem, after.u)))
+    return end_before(problem, before, *part, after, branch, vanishes_);
   std::vector<PointInStep> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
@@ -269,8 +294,8 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
-  if (const auto part = half_period_crossing(problem, before.u, after.u))
-    return end_at_half(problem, before, *part, after, branch);
+  if (const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u)))
+    return end_before(problem, before, *part, after, branch, returned_);
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
   return end.value_or(Verdict::go_on);
 }
@@ -343,14 +368,16 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
       direction = plain;
       continue;
     }
-    if (curve.stop == TraceStop::min_step && !hard_contacts_ && !branch.points.empty()) {
-      CurvePoint last = curve.points.back();
+    const bool fails = curve.stop == TraceStop::min_step && !branch.points.empty();
+    CurvePoint last = fails ? curve.points.back() : CurvePoint();
+    if (fails && ((!hard_contacts_ && step_around_corner(problem, branch, last)) || step_over_kink(problem, branch, last))) {
       trace_options.initial_step = 1e-6;
-      if (step_around_corner(problem, branch, last)) {
-        start = last.u;
-        direction = last.tangent;
-        continue;
-      }
+      start = last.u;
+      direction = last.tangent;
+      continue;
+    }
+    if (fails && !hard_contacts_) {
+      trace_options.initial_step = 1e-6;
       // States within a stiff contact vary as steeply as those at a hard impact.
       section_blocked_ = !clear_of_soft_;
       clear_of_soft_ = true;
@@ -441,7 +468,7 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   symmetries_ = flight_symmetries(system_, branch.parameters);
-  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = false;
+  interrupted_ = returned_ = vanishes_ = chatter_ends_ = clear_of_soft_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -518,6 +545,11 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (returned_) {
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
+  } else if (vanishes_) {
+    const std::optional<HopfPoint> hopf = locate_hopf(*states, last_);
+    if (hopf) branch.stop_value = hopf->value;
+    stop(BranchStop::equilibrium, fmt::format("the orbit shrinks to an equilibrium {} {} = {:.12g}{}", hopf ? "at" : "near",
+                                              branch.parameter, branch.stop_value, hopf ? " (a Hopf point)" : ""));
   } else if (chatter_ends_) {
     const bool sticks = end.isolated_impacts < end.impacts;
     const std::string what =
@@ -1011,6 +1043,57 @@ bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, C
       return true;
     }
   }
+  return false;
+}
+
+/// Appends the first point beyond a kink, and the kink as a grazing. The orbits go on in the same direction of the parameter, or
+/// turn there. No test function is continuous across it.
+void BranchFollower::append_beyond_kink(OrbitProblem& problem, const CurvePoint& next, BranchPoint point, bool goes_on,
+                                        Branch& branch) {
+  const double value = branch.points.back().value;
+  SpecialPoint kink = plain_point(problem, last_, PointType::GR, branch);
+  kink.status = PointStatus::bracketed;
+  kink.precision = std::abs(point.value - value);
+  kink.interval[0] = std::min(point.value, value);
+  kink.interval[1] = std::max(point.value, value);
+  kink.details["kind"] = "sliding";
+  kink.details["scenario"] =
+      std::string(grazing_scenario_name(goes_on ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold));
+  branch.special_points.push_back(std::move(kink));
+  branch.points.push_back(std::move(point));
+  last_ = next.u;
+  earlier_ = {};
+  if (options_.progress) options_.progress(branch);
+}
+
+/// Steps over a kink of the branch, where its orbits begin or cease to slide or stick along a surface that they touch: the orbits
+/// on the other side have other events and another tangent. `last` becomes the first point there. False if there is none next to
+/// `last`, or if its tangent does not lead to `last`.
+bool BranchFollower::step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last) {
+  constexpr double off_tangent = 0.1;  // of the way from the kink
+  const ZeroProblem zero = problem.zero_problem();
+  const BranchPoint& end = branch.points.back();
+  const Eigen::Index of_value = last.u.size() - 1;
+  const double onwards = std::copysign(1.0, last.tangent[of_value]);
+  for (const double way : {onwards, -onwards})
+    for (const double step : {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3}) {
+      if (interrupted_now()) return false;
+      CurvePoint next;
+      next.u = last.u;
+      next.u[of_value] += way * step * problem.scale();
+      if (!correct(zero, problem.parameter_direction(), next.u, options_.trace).converged()) continue;
+      const Vector change = next.u - last.u;
+      next.tangent = tangent_at(zero, next.u, change);
+      if (next.tangent.size() == 0) continue;
+      const double along = change.dot(zero.weights.cwiseProduct(next.tangent)), length = weighted_norm(zero.weights, change);
+      if (!(weighted_norm(zero.weights, change - along * next.tangent) < off_tangent * length)) continue;
+      next.arclength = last.arclength + length;
+      BranchPoint point = problem.branch_point(next.u, end.arclength + length);
+      if (!point.multipliers.valid || point.signature == end.signature || point.impacts != end.impacts) continue;
+      append_beyond_kink(problem, next, std::move(point), way == onwards, branch);
+      last = std::move(next);
+      return true;
+    }
   return false;
 }
 

@@ -56,10 +56,13 @@ class BranchFollower {
   std::optional<BranchStart> continuation_in_states(OrbitProblem& problem, const SignatureProblem& signature, const Curve& curve,
                                                     const Branch& branch) const;
   bool step_around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last);
+  bool step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last);
+  void append_beyond_kink(OrbitProblem& problem, const CurvePoint& next, BranchPoint point, bool goes_on, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
-  Verdict end_at_half(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after, Branch& branch);
+  Verdict end_before(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after, Branch& branch,
+                     bool& ends);
   bool interrupted_now();
   std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
   bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
@@ -104,7 +107,7 @@ class BranchFollower {
     std::vector<double> values;
   };
   EarlierValues earlier_;
-  bool interrupted_ = false, returned_ = false, chatter_ends_ = false;
+  bool interrupted_ = false, returned_ = false, vanishes_ = false, chatter_ends_ = false;
   /// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
   struct Corner {
     double value, place;

@@ -82,11 +82,10 @@ bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetr
                      [&](const Symmetry& symmetry) { return changes_symmetry(system, symmetry, branch, next); });
 }
 
-std::optional<double> half_period_crossing(const BranchProblem& problem, const Vector& before, const Vector& after) {
+std::optional<double> zero_crossing(const Vector& a, const Vector& b) {
   // A curve that turns by at most 0.3 within the step stays closer to its chord than this fraction of the chord.
   constexpr double bend = 0.1;
-  const Vector a = problem.half_difference(before), b = problem.half_difference(after);
-  if (a.size() == 0 || !(a.dot(b) < 0.0)) return std::nullopt;
+  if (a.size() == 0 || b.size() == 0 || !(a.dot(b) < 0.0)) return std::nullopt;
   const Vector chord = b - a;
   const double part = -a.dot(chord) / chord.squaredNorm();
   if (!((a + part * chord).norm() < bend * chord.norm())) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Checks of the step from the last point of a branch to the next one: whether it left the branch, and whether it passed through
-// the orbit of half the period.
+// the orbit of half the period or through an equilibrium.
 #pragma once
 
 #include <graze/continuation/problems/branch_problem.hpp>
@@ -21,9 +21,10 @@ namespace graze {
 bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetries, const Branch& branch,
                    const BranchPoint& next);
 
-/// The place at which a doubled branch passes through the orbit of half its period, as a fraction of the way from the unknowns
-/// `before` to `after`: there the difference of the orbit's two halves, continuous in the coordinates of the branch, passes
-/// zero. Empty if it does not.
-std::optional<double> half_period_crossing(const BranchProblem& problem, const Vector& before, const Vector& after);
+/// The place at which a quantity that is continuous along the branch passes zero in a step, from its values `before` and `after`,
+/// as a fraction of the step. A doubled branch passes through the orbit of half its period where the difference of the orbit's
+/// halves is zero, and a branch of an autonomous system through an equilibrium where the field is. Empty if it does not, or if a
+/// value is empty.
+std::optional<double> zero_crossing(const Vector& before, const Vector& after);
 
 }  // namespace graze

@@ -2,6 +2,7 @@
 #include <graze/continuation/conditions/grazing.hpp>
 #include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
+#include <graze/lib/system/guard_rounding.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -49,14 +50,15 @@ Passage passage_with(OrbitProblem& problem, std::size_t contact, const Touch& to
   const double ahead = speed / -curvature;
   Vector f(touch.x.size());
   propagator.field(touch.mode, touch.t, touch.x, f);
+  const Guard& guard = problem.system().events[contact].guard;
   // Moves x along the guard's gradient to the level h. The free motion starts just below the guard: far enough not to meet it,
   // and near enough not to change the difference of the two motions.
   const auto to_guard = [&](double t, const Vector& x, double h) {
-    const double here = problem.system().events[contact].guard.value(t, x, problem.equations().parameters());
+    const double here = guard.value(t, x, problem.equations().parameters());
     return Vector(x + (h - here) / at.h_dx.squaredNorm() * at.h_dx);
   };
-  HybridState free{touch.t, to_guard(touch.t, touch.x, -10.0 * guard_tolerance * (1.0 + touch.x.lpNorm<Eigen::Infinity>())),
-                   touch.mode};
+  const double width = guard_width(guard_scale(guard, touch.t, touch.x, problem.equations().parameters()), touch.t, touch.x);
+  HybridState free{touch.t, to_guard(touch.t, touch.x, -10.0 * width), touch.mode};
   HybridState struck{touch.t - ahead, to_guard(touch.t - ahead, touch.x - ahead * f, 0.0), touch.mode};
   Passage out;
   // The events that coincide with the touch, and the product of their saltation matrices.

@@ -24,6 +24,8 @@ std::string_view branch_stop_name(BranchStop reason) {
     return "chatter";
   case BranchStop::returned:
     return "returned";
+  case BranchStop::equilibrium:
+    return "equilibrium";
   case BranchStop::start_failed:
     return "start_failed";
   case BranchStop::interrupted:

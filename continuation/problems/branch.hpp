@@ -23,6 +23,7 @@ enum class BranchStop {
   step_too_small,   ///< the corrector fails at the smallest step: see `message`
   chatter,          ///< sticking ends or begins: the chatter before it becomes incomplete or complete
   returned,         ///< back at its start, or at its parent branch
+  equilibrium,      ///< the orbit of an autonomous system shrinks to an equilibrium: a Hopf point
   start_failed,     ///< no point could be computed
   interrupted       ///< cancelled before its end
 };

@@ -44,7 +44,7 @@ class BranchProblem {
 
   /// Number of unknowns, the parameter included. There is one equation fewer.
   virtual Eigen::Index unknowns() const = 0;
-  /// The equations for the tracer. They refer to this object: keep it alive.
+  /// The equations for the tracer. They refer to this object.
   virtual ZeroProblem zero_problem() = 0;
   /// The orbit at u: the small record that a branch keeps, and the orbit with all its properties. Newton's report is that of u;
   /// none: the residual at u tells whether it is an orbit.

@@ -153,7 +153,7 @@ std::vector<Vector> continued_states(const HybridSystem& system, const Vector& p
 std::optional<StableOrbit> orbit_at_ends(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average,
                                          const LyapunovOptions& averaging, const AttractorOptions& options) {
   std::vector<Vector> ends = continued_states(system, p, average, averaging);
-  if (ends.size() > 1) ends = settling_candidates(system, p, ends, options.lyapunov.flow);
+  if (ends.size() > 1) ends = settling_candidates(system, p, ends, options.lyapunov.flow, options.lyapunov.all_threads);
   const int most = longest_period_tried(options, average.periods_each());
   const std::size_t together = options.lyapunov.all_threads ? available_threads() : 1;
   for (std::size_t begin = 0; begin < ends.size() && !cancelled(options); begin += together) {

@@ -398,19 +398,15 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
       for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
       orbits = shoot_together(*many, guesses, {.max_halvings = quick_halvings});
     }
-    const auto is_refused = [&](const auto& orbit) { return refused.knows(orbit.states, state); };
     const auto can_be_skipped = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
       if (!orbit.converged) return between_halves(around, near_halves).empty();
       if (has_doubled(orbit.states.size(), orbit.multipliers[0], around.size())) return false;
-      return verdict(orbit, state) == Verdict::no || is_refused(orbit);
+      return verdict(orbit, state) == Verdict::no || refused.knows(orbit.states, state);
     };
     for (std::size_t i = 0; i < worth.size(); ++i) {
       const std::vector<Vector> around(states.begin(), states.begin() + worth[i]);
       if (!orbits.empty() && can_be_skipped(orbits[i], around)) continue;
-      auto orbit = stable_orbit_of(propagator, around);
-      if (!orbit || is_refused(*orbit)) continue;
-      if (orbit->conservative ? is_on(*orbit, state) : approaches(propagator, *orbit, state)) return orbit;
-      refused.add(orbit->states, state);
+      if (auto orbit = stable_orbit_near(propagator, around, refused)) return orbit;
     }
     worth.clear();
     together *= 2;
@@ -439,40 +435,37 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
   return spectral_radius(growth) > max_growth ? std::nullopt : look();
 }
 
-std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                        const FlowOptions& flow) {
-  struct Motion {
-    const Vector* begin;
-    MotionStart at;
-    Eigen::Matrix2d growth = Eigen::Matrix2d::Identity();
-    bool ended = false;
-  };
+namespace {
+
+/// Whether the motion carries on for growth_test_periods and its tangent has not grown by more than max_growth by then.
+MotionTask<> keeps_small_tangent(TaskSlot& lane, const Vector& p, const Vector& state, char& answer) {
   constexpr int stretch = growth_test_periods / 4;
-  if (!LaneCarrier::applies(system, p, flow)) return states;
-  LaneCarrier many(system, flow);
-  const std::size_t set = many.add_parameters(p);
-  std::vector<Motion> motions;
-  for (const Vector& state : states) motions.push_back({&state, {set, state[0], state[1]}});
-  std::vector<MotionStart> starts;
-  std::vector<PeriodResult> results;
-  for (int carried = 0; carried < growth_test_periods;) {
-    starts.clear();
-    for (const Motion& motion : motions) starts.push_back(motion.at);
-    many.carry(starts, stretch, true, results);
-    carried += stretch;
-    const PeriodResult* next = results.data();
-    for (Motion& motion : motions) {
-      for (int k = 0; k < stretch; ++k, ++next)
-        motion.growth = Eigen::Matrix2d{{next->Phi[0], next->Phi[1]}, {next->Phi[2], next->Phi[3]}} * motion.growth;
-      motion.at = {set, next[-1].x, next[-1].v};
-      motion.ended = next[-1].termination != Termination::time;
-    }
+  lane.set_parameters(p);
+  answer = false;
+  Vector at = state;
+  Matrix growth = Matrix::Identity(at.size(), at.size());
+  for (int carried = stretch; carried <= growth_test_periods; carried += stretch) {
+    const CarriedPeriods periods = co_await lane.carry_with_tangent(at, stretch);
+    if (periods.termination(stretch - 1) != Termination::time) co_return;
+    for (std::size_t k = 0; k < stretch; ++k) growth = periods.map(k) * growth;
+    periods.state(stretch - 1, at);
     // A tangent that has grown by the square of max_growth by now will not have shrunk enough at the end.
     const double most = carried == growth_test_periods ? max_growth : max_growth * max_growth;
-    std::erase_if(motions, [&](const Motion& motion) { return motion.ended || spectral_radius(motion.growth) > most; });
+    if (spectral_radius(growth) > most) co_return;
   }
+  answer = true;
+}
+
+}  // namespace
+
+std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
+                                        const FlowOptions& flow, bool all_threads) {
+  std::vector<char> kept(states.size());
+  run_tasks(system, flow, all_threads, states.size(),
+            [&](std::size_t i, TaskSlot& lane) { return keeps_small_tangent(lane, p, states[i], kept[i]); });
   std::vector<Vector> out;
-  for (const Motion& motion : motions) out.push_back(*motion.begin);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (kept[i]) out.push_back(states[i]);
   return out;
 }
 

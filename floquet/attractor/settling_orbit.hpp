@@ -49,9 +49,9 @@ MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane,
                                                                  const LaneOrbit& orbit, const Vector& state);
 
 /// The states from which a motion may be settling on a stable orbit: the tangent does not keep growing. In chaos it does;
-/// testing all states for this costs less than running settling_orbit on a few. All states have the same parameters. All of them
-/// are returned if the lanes, in which they are tested, do not support the system.
+/// testing all states for this costs less than running settling_orbit on a few. All states have the same parameters.
+/// `all_threads`: uses all threads of the caller's arena (oneTBB); the result does not depend on this.
 std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
-                                        const FlowOptions& flow = {});
+                                        const FlowOptions& flow = {}, bool all_threads = false);
 
 }  // namespace graze

@@ -70,8 +70,9 @@ class ReturnTimes {
 /// A motion to be averaged (average.hpp), with a frame of as many tangent vectors as there are states.
 class FrameMotion : public MotionGrowth<std::vector<BatchMeans>, std::vector<bool>> {
  public:
-  /// Keeps a reference to the system: keep it alive. @throws std::invalid_argument if the start is not admissible.
+  /// Refers to the system, which therefore is no temporary. @throws std::invalid_argument if the start is not admissible.
   FrameMotion(const HybridSystem& system, const AverageStart& start, const FlowOptions& flow);
+  FrameMotion(HybridSystem&&, const AverageStart&, const FlowOptions&) = delete;
 
   /// Carries the motion over the next periods. Periods that are not `counted` only turn the frame, and `parting` ones not even
   /// that.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/follow/map_chain.hpp>
 #include <graze/floquet/follow/sweep_chain.hpp>
+#include <graze/lib/motion/rest.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
 #include <algorithm>
@@ -65,6 +66,11 @@ MotionTask<RowChain::Found> MapChain::find(TaskSlot& slot, Begin begin, std::fun
   Vector p = map_.p;
   p[map_.row_parameter] = map_.grid.rows.at(row_);
   p[map_.column_parameter] = map_.grid.columns.at(column(begin.number));
+  if (begin.state.size() > 0) {
+    Vector before = p;
+    before[map_.column_parameter] = map_.grid.columns.at(column(begin.number - 1));
+    keep_held(map_.system, 0.0, before, p, begin.state);
+  }
   // The layer's start serves where there is no state of a neighbour, or where that now lies inside a barrier.
   const bool goes_on = begin.state.size() > 0 && mode_at(map_.system, 0.0, begin.state, p);
   const Vector start = goes_on ? begin.state : layer_.start(p);

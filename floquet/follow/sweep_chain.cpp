@@ -59,21 +59,24 @@ MotionTask<std::optional<Vector>> SweepChain::carry_on(TaskSlot& slot, const Vec
 }
 
 /// The state from which the next row starts. In a forced system it is `state`. A return lies on a guard, which may have moved
-/// at the next value; the state between two returns is used instead.
+/// at the next value; the state between two returns is used instead, unless friction holds the body from the return on.
 Vector SweepChain::off_guards(const Vector& p, const Vector& state) const {
-  if (is_forced(system_)) return state;
+  if (is_forced(system_) || held_by_friction(system_, 0.0, state, p)) return state;
   Propagator propagator(system_, p, {}, options_.attractor.lyapunov.flow);
   const std::optional<Midway> between = midway(propagator, state);
   return between ? between->state : state;
 }
 
-/// The start of a value, from the state left by the one before. A mass that rested on its stop moves with it if the stop now
-/// comes closer.
+/// The start of a value, from the state left by the one before. What friction held is held. A mass that rested on its stop moves
+/// with it if the stop now comes closer.
 Vector SweepChain::start_of(const Begin& begin, const Vector& p) const {
   if (begin.state.size() == 0) return start_;
-  if (mode_at(system_, 0.0, begin.state, p)) return begin.state;
+  const Vector p_before = parameters(begin.number - 1);
+  Vector held = begin.state;
+  keep_held(system_, 0.0, p_before, p, held);
+  if (mode_at(system_, 0.0, held, p)) return held;
   const FlowOptions& flow = options_.attractor.lyapunov.flow;
-  Propagator before(system_, parameters(begin.number - 1), {}, flow), now(system_, p, {}, flow);
+  Propagator before(system_, p_before, {}, flow), now(system_, p, {}, flow);
   if (permanent_rest(before, begin.state) != begin.state) return begin.state;
   return permanent_rest(now, begin.state).value_or(begin.state);
 }

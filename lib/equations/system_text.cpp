@@ -2,11 +2,13 @@
 #include <graze/lib/equations/system_text.hpp>
 
 #include <graze/lib/equations/functions.hpp>
+#include <graze/lib/equations/initial_mode.hpp>
 #include <graze/lib/equations/nonsmooth.hpp>
 #include <graze/lib/equations/not_finite.hpp>
 #include <graze/lib/equations/polynomial.hpp>
 #include <graze/lib/equations/sliding.hpp>
 #include <graze/lib/equations/structure.hpp>
+#include <graze/lib/system/guard_rounding.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +17,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <random>
 
 namespace graze::equations {
@@ -30,74 +31,6 @@ constexpr int reset_trials = 40;
 /// Tolerance for the periodicity of the field, relative to its size: far above rounding, far below the effect of a wrong
 /// period.
 constexpr double period_tolerance = 1e-8;
-
-/// A state lies on the constraint of a sticking or sliding mode within this tolerance, relative to 1 + |x|: the drift of
-/// integration along a moving or curved constraint over many periods.
-constexpr double constraint_tolerance = 1e-10;
-
-/// A constraint of a mode and its tolerance, relative to 1 + |x|.
-struct ToleratedConstraint {
-  ScalarFunction value;
-  double tolerance = constraint_tolerance;
-};
-
-/// Determines the mode of a state from the guards of each mode (see system_text.hpp), its constraints, and the conditions that
-/// are not negative in it.
-InitialMode mode_by_guards(const HybridSystem& system, const std::vector<std::vector<ToleratedConstraint>>& constraints,
-                           const std::vector<std::vector<ScalarFunction>>& conditions) {
-  std::vector<VectorFunction> fields;
-  std::vector<std::vector<Guard>> guards(system.modes.size());
-  for (const Mode& mode : system.modes) fields.push_back(mode.field);
-  for (const Event& event : system.events) guards[event.from].push_back(event.guard);
-  // Modes with constraints are tested before those without: on a constraint, rounding would decide between the latter.
-  std::vector<std::size_t> order(system.modes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return constraints[a].size() > constraints[b].size(); });
-  HybridSystem forcing;
-  forcing.forcing_frequency = system.forcing_frequency;
-  forcing.period = system.period;
-  return [fields, guards, constraints, conditions, order, forcing](double t, const Vector& x,
-                                                                   const Vector& p) -> std::optional<std::size_t> {
-    Vector f(x.size()), gradient(x.size()), later(x.size());
-    const auto rate = [&](const Guard& guard, std::size_t mode, double time, const Vector& at) {
-      fields[mode](time, at, p, f);
-      guard.dx(time, at, p, gradient);
-      return gradient.dot(f) + (guard.dt ? guard.dt(time, at, p) : 0.0);
-    };
-    const double size = 1.0 + x.lpNorm<Eigen::Infinity>();
-    const auto keeps_constraints = [&](std::size_t mode) {
-      return std::all_of(constraints[mode].begin(), constraints[mode].end(),
-                         [&](const ToleratedConstraint& one) { return std::abs(one.value(t, x, p)) <= one.tolerance * size; });
-    };
-    const auto keeps_conditions = [&](std::size_t mode) {
-      return std::all_of(conditions[mode].begin(), conditions[mode].end(),
-                         [&](const ScalarFunction& one) { return one(t, x, p) >= -guard_tolerance * size; });
-    };
-    const auto motion_stays_in = [&](std::size_t mode) {
-      return keeps_constraints(mode) && keeps_conditions(mode) &&
-             std::all_of(guards[mode].begin(), guards[mode].end(), [&](const Guard& guard) {
-               const double h = guard.value(t, x, p);
-               if (h != 0.0) return h < 0.0;
-               const double speed = rate(guard, mode, t, x);
-               if (std::abs(speed) > rest_tolerance * (1.0 + f.lpNorm<Eigen::Infinity>())) return speed < 0.0;
-               const double glance = rest_glance * time_unit(forcing, p);
-               later = x + glance * f;
-               return rate(guard, mode, t + glance, later) <= 0.0;
-             });
-    };
-    const auto admits = [&](std::size_t mode) {
-      return keeps_constraints(mode) && keeps_conditions(mode) &&
-             std::all_of(guards[mode].begin(), guards[mode].end(),
-                         [&](const Guard& guard) { return guard.value(t, x, p) <= guard_tolerance * size; });
-    };
-    for (const std::size_t mode : order)
-      if (motion_stays_in(mode)) return mode;
-    for (const std::size_t mode : order)
-      if (admits(mode)) return mode;
-    return std::nullopt;
-  };
-}
 
 class Builder {
  public:
@@ -739,6 +672,8 @@ class Builder {
       }
       if (is_identity(piece)) {
         event.continuous = piece.from != piece.to && (piece.continuous || (!piece.decided && fields_agree(piece)));
+        // A split may leave copies that no motion meets, of which it is not true.
+        if (event.continuous && event.guard.level) event.continuous = is_continuous(out_.system, event);
       } else if (const auto rebound = recognise_rebound(graph_, piece.map, level); rebound && piece.from == piece.to) {
         event.reset = make_rebound(*rebound);
         const auto coefficient = static_cast<Eigen::Index>(rebound->coefficient);
@@ -906,8 +841,7 @@ class Builder {
       const Mode& mode = out_.system.modes[event.from];
       const auto rate = [&](double t, const Vector& x) {
         mode.field(t, x, p, f);
-        event.guard.dx(t, x, p, gradient);
-        return gradient.dot(f) + (event.guard.dt ? event.guard.dt(t, x, p) : 0.0);
+        return transversality(event.guard, t, x, f, p);
       };
       for (int trial = 0; trial < reset_trials; ++trial) {
         Vector x = out_.start ? *out_.start : Vector::Zero(states());
@@ -919,8 +853,7 @@ class Builder {
           x -= gradient * (h / gradient.squaredNorm());
           h = event.guard.value(0.0, x, p);
         }
-        const double tolerance = guard_tolerance * (1.0 + x.lpNorm<Eigen::Infinity>());
-        if (!x.allFinite() || !(std::abs(h) <= tolerance)) continue;
+        if (!x.allFinite() || !(std::abs(h) <= guard_width(guard_scale(event.guard, 0.0, x, p), 0.0, x))) continue;
         const double arrives = rate(0.0, x);
         if (!(arrives > 1e-6 * (1.0 + f.lpNorm<Eigen::Infinity>()))) continue;
         if (event.reset.map) {
@@ -930,7 +863,7 @@ class Builder {
         }
         if (!after.allFinite()) continue;
         const double beyond = event.guard.value(0.0, after, p), leaves = rate(0.0, after);
-        const double reach = 100.0 * guard_tolerance * (1.0 + after.lpNorm<Eigen::Infinity>());
+        const double reach = 100.0 * guard_width(guard_scale(event.guard, 0.0, after, p), 0.0, after);
         const Place& place = piece.reset.line > 0 ? piece.reset : piece.when;
         if (beyond > reach || (beyond >= -reach && leaves > 1e-9 * (1.0 + f.lpNorm<Eigen::Infinity>())))
           refuse(place,

@@ -86,8 +86,10 @@ class Flow {
   std::unique_ptr<Kind> kind_;
 };
 
-/// The flow of one mode at parameters p; `active` are the parameters for which Psi is wanted. The system must outlive it.
+/// The flow of one mode at parameters p; `active` are the parameters for which Psi is wanted. It refers to the system, which
+/// therefore is no temporary.
 Flow make_flow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
                const FlowOptions& options = {});
+Flow make_flow(HybridSystem&&, std::size_t, const Vector&, std::span<const std::size_t>, const FlowOptions& = {}) = delete;
 
 }  // namespace graze

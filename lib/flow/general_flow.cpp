@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/flow/general_flow.hpp>
 
-#include <graze/lib/system/saltation.hpp>
+#include <graze/lib/system/guard_rounding.hpp>
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -268,7 +268,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     for (const std::size_t event : task.watch_events ? std::span<const std::size_t>(I.events) : std::span<const std::size_t>()) {
       const Guard& guard = I.system.events[event].guard;
       Integrator::Node a = I.node_at(guard, 0.0, I.y.data());
-      if (first && std::abs(a.g) <= guard_tolerance * (1.0 + x0.lpNorm<Eigen::Infinity>())) {
+      if (first && std::abs(a.g) <= guard_width(guard_scale(guard, t, x0, I.p), t, x0)) {
         // A start on the guard that is not active (the Propagator has checked this) leaves it: rounding must not undo this.
         a.g = std::min(a.g, 0.0);
         a.g_dot = std::min(a.g_dot, 0.0);

@@ -83,8 +83,9 @@ class LaneCarrier {
   /// Whether the lanes support the system at these parameters with these options.
   static bool applies(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
 
-  /// Keeps a reference to the system: keep it alive.
+  /// Refers to the system, which therefore is no temporary.
   explicit LaneCarrier(const HybridSystem& system, const FlowOptions& options = {}, LaneWidth width = LaneWidth::widest);
+  explicit LaneCarrier(HybridSystem&&, const FlowOptions& = {}, LaneWidth = LaneWidth::widest) = delete;
   ~LaneCarrier();
   const HybridSystem& system() const { return *system_; }
   const FlowOptions& options() const { return options_; }
@@ -116,7 +117,7 @@ class LaneCarrier {
   /// Makes a pending table if enough contacts have been met. carry_while_full makes none by itself.
   void make_pending_table(std::size_t parameters);
 
-  /// Uses an existing table of contacts, made for the same parameters: keep it alive. @throws std::invalid_argument if it was
+  /// Refers to an existing table of contacts, made for the same parameters. @throws std::invalid_argument if it was
   /// made for others.
   void use(std::size_t parameters, const ContactTable& table);
   /// The table in use, or null.

@@ -2,6 +2,7 @@
 #include <graze/lib/lanes/oscillator.hpp>
 #include <graze/lib/motion/propagator.hpp>
 #include <graze/lib/motion/unbounded.hpp>
+#include <graze/lib/system/guard_rounding.hpp>
 
 #include <fmt/format.h>
 
@@ -111,25 +112,27 @@ bool Propagator::is_behind_last_event(const HybridState& state) const {
 }
 
 bool Propagator::is_past_a_guard(const HybridState& state) const {
-  const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
   const std::vector<std::size_t>& events = events_of_mode_[state.mode];
-  return std::any_of(events.begin(), events.end(), [&](std::size_t event) { return guard_value(state, event) > tolerance; });
+  return std::any_of(events.begin(), events.end(), [&](std::size_t event) {
+    const double h = guard_value(state, event);
+    return h > 0.0 && h > guard_width(guard_scale(system_->events[event].guard, state.t, state.x, p_), state.t, state.x);
+  });
 }
 
 bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   const Guard& guard = system_->events[index].guard;
   const double h = guard_value(state, index);
-  const double tolerance = guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
+  const GuardScale scale = guard_scale(guard, state.t, state.x, p_);
+  const double tolerance = guard_width(scale, state.t, state.x);
   if (h < -tolerance) return false;
   if (h > tolerance) return true;
   const Flow& flow = flows_[state.mode];
-  const auto rests = [&](double speed) { return std::abs(speed) <= rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>()); };
   const bool just_crossed = plus_known_ && is_behind_last_event(state);
   // A release begins at a balance of forces. What was held until then rests, although the rounding of the forces moves it.
   bool released = false;
   if (just_crossed && record_.kind == EventKind::release) {
     flows_[system_->events[record_.event].from].field(state.t, state.x, f_minus_);
-    released = rests(transversality(guard, state.t, state.x, f_minus_, p_));
+    released = rests(transversality(guard, state.t, state.x, f_minus_, p_), scale, f_minus_);
   }
   if (just_crossed) {
     f_minus_ = f_plus_;
@@ -137,14 +140,9 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
     flow.field(state.t, state.x, f_minus_);
   }
   const double speed = transversality(guard, state.t, state.x, f_minus_, p_);
-  if (!released && !rests(speed)) return speed > 0.0;
-  // At rest on the guard: dh/dt a time `rest_glance` later decides, after a midpoint step.
-  const double glance = rest_glance * time_unit_;
-  glance_ = state.x + 0.5 * glance * f_minus_;
-  flow.field(state.t + 0.5 * glance, glance_, f_minus_);
-  glance_ = state.x + glance * f_minus_;
-  flow.field(state.t + glance, glance_, f_minus_);
-  return transversality(guard, state.t + glance, glance_, f_minus_, p_) > 0.0;
+  if (!released && !rests(speed, scale, f_minus_)) return speed > 0.0;
+  const auto field = [&](double t, const Vector& x, Vector& out) { flow.field(t, x, out); };
+  return rate_after(rest_glance * time_unit_, guard, field, state.t, state.x, p_, f_minus_, glance_) > 0.0;
 }
 
 std::size_t Propagator::fired(const HybridState& state, std::size_t index) const {
@@ -314,6 +312,7 @@ void Propagator::compose_saltation(const Vector& x_plus, const Vector& f_plus, s
 }
 
 Propagator::Rest Propagator::accumulate(HybridState& state, const Event& event, double t_end) {
+  const double t_impact = state.t;
   const double before = record_.normal_speed;
   const double after = std::max(0.0, record_.exit_speed);
   // At a level guard with a Rebound, the pressing acceleration is the field's velocity component.
@@ -328,7 +327,7 @@ Propagator::Rest Propagator::accumulate(HybridState& state, const Event& event, 
   // Impacts of several stops upon each other, at one instant, shrink like the powers of a number: they have an end, too.
   constexpr double negligible = 1e-12;
   const bool fades = at_instant_ > many_at_instant && before < negligible * fastest_at_instant_;
-  const bool moving = !fades && before > rest_tolerance * (1.0 + f_minus_.lpNorm<Eigen::Infinity>());
+  const bool moving = !fades && before > 0.0 && !rests(before, guard_scale(event.guard, t_impact, record_.x_minus, p_), f_minus_);
   if (moving) {
     if (!(pressing > 0.0)) return Rest::none;
     const double flight = 2.0 * after / pressing;
@@ -350,7 +349,6 @@ Propagator::Rest Propagator::accumulate(HybridState& state, const Event& event, 
   }
   const Accumulation& rest = *event.accumulation;
   const Vector here = state.x;
-  const double t_impact = state.t;
   // Where other masses move along, the series is one plastic impact, after which the mass is held. The stop acts in one direction
   // only: on the way the motion differs from the held one by the bounce in this direction alone, which is over at the
   // accumulation point. What is left is of third order in the remaining time, and of second order in the derivative.

@@ -38,8 +38,9 @@ inline constexpr double at_once = 1e-12;
 
 class Propagator {
  public:
-  /// Keeps a reference to the system: keep it alive. `active` are the indices of the parameters for sensitivities.
+  /// Refers to the system, which therefore is no temporary. `active` are the indices of the parameters for sensitivities.
   Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active = {}, const FlowOptions& options = {});
+  Propagator(HybridSystem&&, const Vector&, std::vector<std::size_t> = {}, const FlowOptions& = {}) = delete;
 
   const HybridSystem& system() const { return *system_; }
   const Vector& parameters() const { return p_; }

@@ -142,12 +142,12 @@ std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::spa
   return map;
 }
 
-bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double t, const Vector& p, Vector& x) {
+bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double t, const Vector& p, Vector& x, double farthest) {
   std::vector<const Constraint*> constraints;
   for (const Constraint& one : system.modes[mode].constraints) constraints.push_back(&one);
   const auto count = std::ssize(constraints);
   const double size = 1.0 + x.lpNorm<Eigen::Infinity>();
-  constexpr double rounding = 1e-15, farthest = 1e-2;
+  constexpr double rounding = 1e-15;
   constexpr int most_steps = 8;
   Vector values(count), at = x;
   const auto evaluate = [&] {
@@ -173,6 +173,17 @@ bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double 
   if (!(off <= reached * size) || (at - x).lpNorm<Eigen::Infinity>() > farthest * size) return false;
   x = at;
   return true;
+}
+
+std::optional<std::size_t> held_by_friction(const HybridSystem& system, double t, const Vector& x, const Vector& p) {
+  const std::optional<std::size_t> mode = mode_at(system, t, x, p);
+  if (!mode || system.modes[*mode].constraints.empty() || holding_event(system, *mode)) return std::nullopt;
+  return mode;
+}
+
+void keep_held(const HybridSystem& system, double t, const Vector& before, const Vector& p, Vector& x) {
+  constexpr double any = std::numeric_limits<double>::infinity();
+  if (const auto mode = held_by_friction(system, t, x, before)) settle_on_constraints(system, *mode, t, p, x, any);
 }
 
 HeldMap held_map(const HybridSystem& system, const Event& holding, double t, const Vector& x, const Vector& p, double duration) {

@@ -45,8 +45,16 @@ std::optional<ConstraintMap> constraint_map(const HybridSystem& system, std::spa
                                             const HybridState& at, const Vector& p, std::span<const std::size_t> active);
 
 /// Moves a state near the constraints of a mode onto them, along their directions: the motion itself does that at once. False:
-/// they are not reached, or not within a hundredth of 1 + |x|.
-bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double t, const Vector& p, Vector& x);
+/// they are not reached, or not within `farthest` (1 + |x|).
+bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double t, const Vector& p, Vector& x,
+                           double farthest = 1e-2);
+
+/// The mode of a state in which friction holds a body, and no stop does; empty: there is none.
+std::optional<std::size_t> held_by_friction(const HybridSystem& system, double t, const Vector& x, const Vector& p);
+
+/// What friction holds at the parameters `before`, it holds at p too (a belt that runs faster takes the body along): moves a
+/// state onto the constraints of its mode there. Other states stay.
+void keep_held(const HybridSystem& system, double t, const Vector& before, const Vector& p, Vector& x);
 
 /// The state of permanent rest at the stop near `state`: held there at forcing phase 0, not released within a forcing period,
 /// and with all other coordinates at the same place after it. Empty: there is none, or the system is not forced.

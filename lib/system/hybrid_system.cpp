@@ -292,6 +292,8 @@ void validate(const HybridSystem& system) {
   }
 }
 
+bool is_continuous(const HybridSystem& system, const Event& event) { return TagCheck(system).is_continuous(event); }
+
 std::optional<std::size_t> mode_at(const HybridSystem& system, double t, const Vector& x, const Vector& p) {
   if (!x.allFinite()) return std::nullopt;
   return system.initial_mode ? system.initial_mode(t, x, p) : 0;

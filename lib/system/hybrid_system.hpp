@@ -30,9 +30,11 @@
 
 namespace graze {
 
-/// A state lies on a guard if |h| <= guard_tolerance (1 + |x|): a hundred times the rounding error of an event's instant.
+/// A state lies on a guard if |h| <= guard_tolerance (1 + |x|), in the guard's own units (guard_width): a hundred times the
+/// rounding error of an event's instant.
 inline constexpr double guard_tolerance = 1e-12;
-/// It rests there if |dh/dt| <= rest_tolerance (1 + |f|); then the sign of dh/dt a time rest_glance time_unit() later decides.
+/// It rests there if |dh/dt| <= rest_tolerance (1 + |f|), in these units (rests); then the sign of dh/dt a time rest_glance
+/// time_unit() later decides.
 inline constexpr double rest_tolerance = 1e-15, rest_glance = 1e-6;
 
 /// out = function of (t, x, p); `out` has the right size before the call.
@@ -196,6 +198,9 @@ std::vector<std::string> state_names(const HybridSystem& system);
 /// (LevelGuard, Rebound, Event::continuous, Mode::structure) with the functions at states near the guard. @throws
 /// std::invalid_argument in one sentence.
 void validate(const HybridSystem& system);
+
+/// Whether state and field are continuous across an event with a level guard, by samples on the guard.
+bool is_continuous(const HybridSystem& system, const Event& event);
 
 /// The mode that `x` belongs to; nullopt: no motion begins there, because `x` is not finite or lies inside a barrier.
 std::optional<std::size_t> mode_at(const HybridSystem& system, double t, const Vector& x, const Vector& p);

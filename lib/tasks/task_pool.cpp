@@ -55,23 +55,32 @@ TaskSlot::Carrying TaskSlot::carry(std::span<const MotionStart> motions, std::si
 }
 
 TaskSlot::CarryingOne TaskSlot::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
+  return carry_one(state, periods, false, speeds);
+}
+
+TaskSlot::CarryingOne TaskSlot::carry_with_tangent(const Vector& state, std::size_t periods) {
+  return carry_one(state, periods, true, nullptr);
+}
+
+TaskSlot::CarryingOne TaskSlot::carry_one(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds) {
   if (!in_lanes()) {
-    carry_alone(state, periods, speeds);
+    carry_alone(state, periods, tangent, speeds);
   } else {
     const MotionStart start = at(state);
-    carry({&start, 1}, periods, false);
+    carry({&start, 1}, periods, tangent);
     runs_.front().speeds = speeds;
   }
   return CarryingOne(*this);
 }
 
-void TaskSlot::carry_alone(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
+void TaskSlot::carry_alone(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds) {
   Transition transition;
   ends_.assign(periods, {});
   Vector at = state;
   for (std::size_t k = 0; k < periods; ++k) {
-    carry_period(*propagator_, at, {.sensitivity = Sensitivity::none, .keep_events = speeds != nullptr}, transition);
-    ends_[k] = {transition.termination, transition.x1};
+    carry_period(*propagator_, at,
+                 {.sensitivity = tangent ? Sensitivity::state : Sensitivity::none, .keep_events = speeds != nullptr}, transition);
+    ends_[k] = {transition.termination, transition.x1, tangent ? period_map(transition) : Matrix()};
     if (transition.termination != Termination::time) {
       std::fill(ends_.begin() + static_cast<std::ptrdiff_t>(k) + 1, ends_.end(), ends_[k]);
       return;

@@ -25,6 +25,7 @@ class WorkSharing;
 struct PeriodEnd {
   Termination termination = Termination::failed;
   Vector state;
+  Matrix map;  ///< first-order map of the period, if the request was with tangent
 };
 
 /// The periods of a motion carried for a task, in the order of time. Once the motion has ended, all further ones have the same
@@ -42,6 +43,12 @@ class CarriedPeriods {
       x << in_lanes_[k].x, in_lanes_[k].v;
     else
       x = alone_[k].state;
+  }
+  /// The first-order map of period k from state to state (n x n), of a request with tangent.
+  Matrix map(std::size_t k) const {
+    if (!alone_.empty()) return alone_[k].map;
+    const auto& Phi = in_lanes_[k].Phi;
+    return Matrix{{Phi[0], Phi[1]}, {Phi[2], Phi[3]}};
   }
   /// The results of periods carried in lanes; otherwise empty.
   std::span<const PeriodResult> in_lanes() const { return in_lanes_; }
@@ -80,6 +87,8 @@ class TaskSlot {
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
   /// co_await: the next `periods` periods of the motion from `state`, in lanes or not.
   CarryingOne carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
+  /// The same with tangent, up to the period in which the motion ends.
+  CarryingOne carry_with_tangent(const Vector& state, std::size_t periods);
 
  private:
   friend class TaskPool;
@@ -87,7 +96,8 @@ class TaskSlot {
     TaskSlot* place = nullptr;
   };
   void resume();
-  void carry_alone(const Vector& state, std::size_t periods, ImpactSpeeds* speeds);
+  CarryingOne carry_one(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
+  void carry_alone(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
 
   TaskPool* pool_;
   std::unique_ptr<Propagator> propagator_;  ///< null: in lanes
@@ -125,7 +135,7 @@ class TaskSlot::CarryingOne : public Carrying {
 
 class TaskPool : RunSupply {
  public:
-  /// Keeps references to both: keep them alive.
+  /// Refers to both.
   explicit TaskPool(LaneCarrier& motions, WorkSharing* exchange = nullptr);
 
   /// Runs tasks to their ends. Calls next(slot, running tasks) while slots are free. nullopt means "none now"; if nothing is

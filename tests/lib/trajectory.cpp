@@ -3,9 +3,11 @@
 #include "support/checks.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/motion/lane_carrier.hpp>
 #include <graze/lib/motion/transition.hpp>
 
 #include <set>
+#include <type_traits>
 
 using namespace graze;
 using namespace graze::support;
@@ -60,6 +62,13 @@ TEST_CASE("the segments of a run join in time, state and mode with one event bet
     REQUIRE(run.segments.back().end == FlowEnd::time);
     for (const Segment& segment : run.segments) REQUIRE(segment.x1[0] * (law.hard ? 1.0 : 0.0) <= 0.4);
   });
+}
+
+TEST_CASE("what refers to a system takes no temporary one") {
+  STATIC_REQUIRE(std::is_constructible_v<Propagator, const HybridSystem&, Vector>);
+  STATIC_REQUIRE_FALSE(std::is_constructible_v<Propagator, HybridSystem, Vector>);
+  STATIC_REQUIRE(std::is_constructible_v<LaneCarrier, HybridSystem&>);
+  STATIC_REQUIRE_FALSE(std::is_constructible_v<LaneCarrier, HybridSystem>);
 }
 
 TEST_CASE("a run in two pieces equals the run in one") {
