@@ -233,11 +233,14 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (change == 1 && hard_contacts_) return Verdict::reject;
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
-  if (is_kink(branch.points.back(), point)) {
+  // Friction holds a body all along from here on: the orbits beyond keep its place, which is pinned.
+  holds_more_ =
+      point.signature != branch.points.back().signature && problem.kept_states(after.u).size() > problem.pinned().size();
+  if (holds_more_ || is_kink(branch.points.back(), point)) {
     if (!close) return Verdict::reject;
     const bool rises = problem.value(after.u) > problem.value(before.u), rose = before.tangent[before.tangent.size() - 1] > 0.0;
     append_beyond_kink(problem, after, std::move(point), rises == rose, branch);
-    return end ? Verdict::stop : Verdict::go_on;
+    return end || holds_more_ ? Verdict::stop : Verdict::go_on;
   }
   if (const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u)))
     return end_before(problem, before, *part, after, branch, returned_);
@@ -368,6 +371,12 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
       direction = plain;
       continue;
     }
+    if (curve.stop == TraceStop::monitor && holds_more_) {
+      trace_options.initial_step = 1e-6;
+      start = last_;
+      direction = std::copysign(1.0, direction[direction.size() - 1]) * pin_what_is_held(problem);
+      continue;
+    }
     const bool fails = curve.stop == TraceStop::min_step && !branch.points.empty();
     CurvePoint last = fails ? curve.points.back() : CurvePoint();
     if (fails && ((!hard_contacts_ && step_around_corner(problem, branch, last)) || step_over_kink(problem, branch, last))) {
@@ -468,7 +477,7 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   symmetries_ = flight_symmetries(system_, branch.parameters);
-  interrupted_ = returned_ = vanishes_ = chatter_ends_ = clear_of_soft_ = false;
+  interrupted_ = returned_ = vanishes_ = chatter_ends_ = clear_of_soft_ = holds_more_ = false;
   fastest_ = 0.0;
   refused_.reset();
   grazing_.reset();
@@ -1050,8 +1059,16 @@ bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, C
 /// turn there. No test function is continuous across it.
 void BranchFollower::append_beyond_kink(OrbitProblem& problem, const CurvePoint& next, BranchPoint point, bool goes_on,
                                         Branch& branch) {
-  const double value = branch.points.back().value;
   SpecialPoint kink = plain_point(problem, last_, PointType::GR, branch);
+  // Where friction begins to hold, the branch may first follow the edge of the band of places, on which a multiplier is 1.
+  const auto on_edge = [](const BranchPoint& at) {
+    for (const std::complex<double>& mu : nontrivial(at.multipliers))
+      if (std::abs(mu - 1.0) < 1e-8) return true;
+    return false;
+  };
+  if (holds_more_)
+    while (kink.after_point > 0 && on_edge(branch.points[kink.after_point])) --kink.after_point;
+  const double value = kink.value = branch.points[kink.after_point].value;
   kink.status = PointStatus::bracketed;
   kink.precision = std::abs(point.value - value);
   kink.interval[0] = std::min(point.value, value);
@@ -1064,6 +1081,13 @@ void BranchFollower::append_beyond_kink(OrbitProblem& problem, const CurvePoint&
   last_ = next.u;
   earlier_ = {};
   if (options_.progress) options_.progress(branch);
+}
+
+/// Pins the place of what friction holds from the last point on. Returns the direction in which the parameter grows.
+Vector BranchFollower::pin_what_is_held(OrbitProblem& problem) {
+  problem.pin(problem.kept_states(last_));
+  holds_more_ = false;
+  return problem.parameter_direction();
 }
 
 /// Steps over a kink of the branch, where its orbits begin or cease to slide or stick along a surface that they touch: the orbits
@@ -1090,7 +1114,10 @@ bool BranchFollower::step_over_kink(OrbitProblem& problem, Branch& branch, Curve
       next.arclength = last.arclength + length;
       BranchPoint point = problem.branch_point(next.u, end.arclength + length);
       if (!point.multipliers.valid || point.signature == end.signature || point.impacts != end.impacts) continue;
+      if (releases_pinned(problem, point)) continue;
+      holds_more_ = problem.kept_states(next.u).size() > problem.pinned().size();
       append_beyond_kink(problem, next, std::move(point), way == onwards, branch);
+      if (holds_more_) next.tangent = way * pin_what_is_held(problem);
       last = std::move(next);
       return true;
     }

@@ -56,6 +56,7 @@ class BranchFollower {
   std::optional<BranchStart> continuation_in_states(OrbitProblem& problem, const SignatureProblem& signature, const Curve& curve,
                                                     const Branch& branch) const;
   bool step_around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last);
+  Vector pin_what_is_held(OrbitProblem& problem);
   bool step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   void append_beyond_kink(OrbitProblem& problem, const CurvePoint& next, BranchPoint point, bool goes_on, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -116,6 +117,7 @@ class BranchFollower {
   bool clear_of_soft_ = false;    ///< nodes stay clear of soft contacts too
   std::optional<Corner> corner_;  ///< set during a step around it
   bool section_blocked_ = false;  ///< an impact is too close to a node
+  bool holds_more_ = false;       ///< at the last step friction begins to hold a body all along
   std::optional<GrazingEnd> grazing_;
   // For a branch that starts on a grazing, until it has its first point:
   Vector beginning_;      ///< the grazing

@@ -3,6 +3,7 @@
 
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/orbit/returns.hpp>
+#include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
@@ -161,8 +162,34 @@ class SeedFinder {
                                         : part < ways + blocks_ ? search_stable(part - ways)
                                                                 : search(static_cast<int>(part - ways - blocks_));
     std::erase_if(orbits, [&](const PeriodicOrbit& orbit) { return !wanted(orbit); });
+    for (PeriodicOrbit& orbit : orbits) move_to_start(orbit);
     return orbits;
   }
+
+  /// An orbit on which friction holds a body all along is one of a continuum. Its place becomes that of the start, if friction
+  /// holds it there too: the same for all such orbits.
+  void move_to_start(PeriodicOrbit& orbit) const {
+    const std::vector<KeptState> kept = kept_states(orbit.monodromy);
+    if (kept.empty() || !is_forced(system_)) return;
+    Vector x = orbit.state;
+    for (const KeptState& one : kept) one.set(x, one.of(start()));
+    if (!mode_at(system_, 0.0, x, orbit.parameters)) return;
+    PeriodicOrbit moved = shoot(system_, orbit.parameters, x, orbit.period, options_.continuation.shooting);
+    const bool stays = state_distance(moved.state, x) < same_orbit_tolerance * (1.0 + state_size(x));
+    if (wanted(moved) && stays && kept_states(moved.monodromy) == kept) orbit = std::move(moved);
+  }
+
+  /// Whether both orbits belong to one continuum.
+  static bool same_but_place(const PeriodicOrbit& a, const PeriodicOrbit& b) {
+    if (a.period != b.period) return false;
+    const std::vector<KeptState> kept = kept_states(a.monodromy);
+    if (kept.empty() || kept != kept_states(b.monodromy)) return false;
+    Vector x = b.state;
+    for (const KeptState& one : kept) one.set(x, one.of(a.state));
+    return state_distance(x, a.state) < same_orbit_tolerance * (1.0 + state_size(x));
+  }
+
+  Vector start() const { return options_.start.value_or(Vector::Zero(static_cast<Eigen::Index>(system_.states))); }
 
   std::vector<PeriodicOrbit> search_stable(std::size_t block) const {
     StableSearchOptions searching = options_.stable_search;
@@ -179,7 +206,7 @@ class SeedFinder {
   /// Way 0: from rest at each value; 1: sweep up; 2: sweep down.
   std::vector<PeriodicOrbit> attractors(int way) const {
     std::vector<PeriodicOrbit> found;
-    const Vector rest = options_.start.value_or(Vector::Zero(static_cast<Eigen::Index>(system_.states)));
+    const Vector rest = start();
     std::optional<Vector> previous;
     const int count = std::max(2, options_.settled_values);
     for (int i = 0; i < count && !cancelled(); ++i) {
@@ -218,7 +245,7 @@ class SeedFinder {
   void add(std::vector<SkeletonSeed>& list, const std::vector<PeriodicOrbit>& orbits, const char* origin, int part) const {
     for (const PeriodicOrbit& orbit : orbits) {
       const bool known = std::any_of(list.begin(), list.end(), [&](const SkeletonSeed& seed) {
-        return seed.orbit.parameters == orbit.parameters && same_orbit(seed.orbit, orbit);
+        return seed.orbit.parameters == orbit.parameters && (same_orbit(seed.orbit, orbit) || same_but_place(seed.orbit, orbit));
       });
       if (!known && wanted(orbit)) list.push_back({orbit, origin, part});
     }

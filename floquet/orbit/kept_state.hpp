@@ -15,7 +15,10 @@ struct KeptState {
   Eigen::Index index = 0;
   std::optional<Eigen::Index> less = {};  ///< index of the state that is subtracted
 
+  bool operator==(const KeptState&) const = default;
   double of(const Vector& x) const { return less ? x[index] - x[*less] : x[index]; }
+  /// Gives it this value, and leaves the other states.
+  void set(Vector& x, double value) const { x[index] = less ? x[*less] + value : value; }
   /// The row of its map, from the rows of the states.
   template <class AnyMatrix> Eigen::RowVectorXd row(const AnyMatrix& rows, Eigen::Index first = 0) const {
     Eigen::RowVectorXd out = rows.row(first + index);

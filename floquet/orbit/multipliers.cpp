@@ -202,18 +202,6 @@ std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors
   return values;
 }
 
-/// The states that keep their values while other ones are held: their row of each partial product is that of the identity. A map
-/// of full rank holds nothing.
-std::vector<KeptState> kept_states(const MonodromyMatrix& monodromy) {
-  const std::vector<double> dets = determinants(monodromy.factors, monodromy.log_dets).list;
-  if (std::find(dets.begin(), dets.end(), 0.0) == dets.end()) return {};
-  std::vector<Matrix> products;
-  for (const Matrix& factor : monodromy.factors) products.push_back(products.empty() ? factor : Matrix(factor * products.back()));
-  return find_kept_states(monodromy.factors.front().rows(), [&](const KeptState& one) {
-    return std::all_of(products.begin(), products.end(), [&](const Matrix& product) { return one.kept_by(product); });
-  });
-}
-
 /// The same map of the other states alone, with these ones as they are. The determinants of the factors stay: a kept state
 /// depends on itself and on what is held.
 MonodromyMatrix without(const MonodromyMatrix& monodromy, const std::vector<KeptState>& kept) {
@@ -299,6 +287,16 @@ FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
     result.exponents.push_back(modulus > 0.0 ? std::log(modulus) / duration : -std::numeric_limits<double>::infinity());
   }
   return result;
+}
+
+std::vector<KeptState> kept_states(const MonodromyMatrix& monodromy) {
+  const std::vector<double> dets = determinants(monodromy.factors, monodromy.log_dets).list;
+  if (std::find(dets.begin(), dets.end(), 0.0) == dets.end()) return {};
+  std::vector<Matrix> products;
+  for (const Matrix& factor : monodromy.factors) products.push_back(products.empty() ? factor : Matrix(factor * products.back()));
+  return find_kept_states(monodromy.factors.front().rows(), [&](const KeptState& one) {
+    return std::all_of(products.begin(), products.end(), [&](const Matrix& product) { return one.kept_by(product); });
+  });
 }
 
 }  // namespace graze

@@ -10,6 +10,7 @@
 // relative accuracy. A factor of deficient rank (k_r = 0, sticking) gives multipliers that are exactly zero.
 #pragma once
 
+#include <graze/floquet/orbit/kept_state.hpp>
 #include <graze/lib/numerics/vector.hpp>
 
 #include <complex>
@@ -54,5 +55,9 @@ FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration
 /// MonodromyMatrix.
 std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors,
                                                       const std::vector<double>& log_dets = {}, int lost = 0);
+
+/// The states that keep their values while other ones are held: their row of each partial product is that of the identity. A map
+/// of full rank holds nothing.
+std::vector<KeptState> kept_states(const MonodromyMatrix& monodromy);
 
 }  // namespace graze

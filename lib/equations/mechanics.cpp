@@ -362,10 +362,11 @@ class Mechanics {
       Column coefficients;
       for (const Text& one : text.values) coefficients.push_back(read(one, where));
       const bool hertz = law->name == "hertz";
-      if (hertz) not_negative(coefficients[0], text.values[0], fmt::format("stiffness k_H of the stop {}", name));
+      not_negative(coefficients[0], text.values[0], fmt::format("stiffness {} of the stop {}", hertz ? "k_H" : "k", name));
       const Expression elastic = graph_.multiply(coefficients[0], hertz ? graph_.contact_power(d, 1.5) : d);
       force = elastic;
       if (coefficients.size() > 1) {
+        not_negative(coefficients[1], text.values[1], fmt::format("damping {} of the stop {}", hertz ? "b_H" : "c", name));
         const Expression damping = graph_.multiply(coefficients[1], d_rate);
         force = hertz ? graph_.multiply(elastic, graph_.add(graph_.constant(1.0), damping)) : graph_.add(elastic, damping);
       }
@@ -375,6 +376,19 @@ class Mechanics {
     if (!text.adhesion && !stop.begins_softly) stop.states = 3;
     const Replacement motion{{d.index, depth}, {d_rate.index, depth_rate}};
     stop.force = graph_.substitute(force, motion);
+  }
+
+  /// Whether the speed of one friction is a constant multiple of that of the other.
+  bool slides_with(const Contact& friction, const Contact& other) const {
+    std::size_t k = 0;
+    while (k < n_ && vanishes(other.direction[k])) ++k;
+    if (k == n_) return false;
+    const auto proportional = [&](Expression a, Expression b) {
+      return vanishes(graph_.subtract(graph_.multiply(a, other.direction[k]), graph_.multiply(b, friction.direction[k])));
+    };
+    for (std::size_t i = 0; i < n_; ++i)
+      if (!proportional(friction.direction[i], other.direction[i])) return false;
+    return proportional(friction.rate, other.rate);
   }
 
   void read_friction(const FrictionText& text) {
@@ -392,6 +406,12 @@ class Mechanics {
     finish(friction);
     for (const Expression one : friction.direction)
       if (has_velocity(one)) refuse(text.speed.place, fmt::format("the speed of {} is not linear in {}", name, velocity_in(one)));
+    for (const Contact& other : contacts_)
+      if (!other.is_stop && slides_with(friction, other))
+        refuse(text.speed.place,
+               fmt::format("{} slides whenever {} does, at the same speed or a multiple of it: which of them holds is "
+                           "not determined; write one friction with the sum of their forces",
+                           name, other.name.text));
     const Expression normal = read(text.normal, fmt::format("in the normal force of {}", name));
     not_negative(normal, text.normal, fmt::format("normal force of the friction {}", name));
     const std::string where = fmt::format("in the law of {}", name);
@@ -399,6 +419,7 @@ class Mechanics {
     friction.slip_force[forward] = graph_.multiply(coefficient(friction.rate), normal);
     friction.slip_force[backward] = graph_.multiply(coefficient(graph_.negate(friction.rate)), normal);
     const Expression slow = coefficient(zero());
+    not_negative(slow, text.law, fmt::format("coefficient of the friction {}", name));
     Expression sticking = slow;
     if (text.sticking) {
       sticking = read(*text.sticking, fmt::format("in the static coefficient of {}", name));

@@ -13,6 +13,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -250,4 +251,29 @@ TEST_CASE("the doubled branch of an orbit that sticks in part is not taken for i
   CHECK(std::abs(points_of(graph.branches[0], PointType::PD)[0].value - 0.67512445) < 1e-7);  // by shooting in another program
   CHECK(graph.branches[1].period == 2 * graph.branches[0].period);
   for (const Branch& branch : graph.branches) CHECK(check_branch(system, branch).empty());
+}
+
+TEST_CASE("a branch of autonomous orbits ends where they shrink to an equilibrium, at the Hopf point") {
+  // Van der Pol's oscillator with a bias: the equilibrium x = a has the trace mu (1 - a^2).
+  SystemWriter writer;
+  writer.system.name = "biased";
+  writer.parameter("mu", "0.5").parameter("a", "0");
+  writer.mechanics({"x"}, {"v"}, {{{"1"}}, {{"0"}}, {{"1"}}, {"mu*(1-x^2)*v + a"}}).stop("right", "1.5 - x", "newton", {"0.6"});
+  writer.system.stops.back().count = 1;
+  const HybridSystem system = equations::make_system(writer.system).system;
+  const PeriodicOrbit orbit = attracting(system, default_parameters(system.parameters), vector({0.5, 0.0}));
+  for (const int direction : {1, -1}) {
+    ContinuationOptions options;
+    options.parameter = "a";
+    options.from = -1.2;
+    options.to = 1.2;
+    const BranchGraph graph = follow_branches(system, {{orbit, {direction}}}, options);
+    REQUIRE(!graph.branches.empty());
+    for (const Branch& branch : graph.branches) CHECK(points_of(branch, PointType::BP).empty());
+    const auto end = std::find_if(graph.branches.begin(), graph.branches.end(),
+                                  [](const Branch& branch) { return branch.stop == BranchStop::equilibrium; });
+    REQUIRE(end != graph.branches.end());
+    CHECK(std::abs(end->stop_value - direction) < 1e-12);
+    CHECK(end->points.back().multipliers.values[0].real() == Approx(1.0).margin(1e-3));  // of second order in the amplitude
+  }
 }

@@ -347,3 +347,64 @@ TEST_CASE("where a release and the impact of another mass change places, a branc
   REQUIRE(!exact.empty());
   CHECK(std::abs(doublings[0].value - exact[0].value) < 1e-10);
 }
+
+namespace {
+
+/// A forced mass on a belt of speed V, or on the floor with V = 0.
+HybridSystem on_belt(const std::string& law, const std::string& w, const std::string& F) {
+  SystemWriter writer;
+  writer.system.name = "on belt";
+  writer.forcing("w").parameter("w", w).parameter("F", F).parameter("V", "0").parameter("mu", "0.1");
+  writer.mechanics({"x"}, {"v"}, {{{"1"}}, {{F == "1" ? "0.1" : "0.05"}}, {{"1"}}, {"F*cos(w*t)"}});
+  writer.friction("belt", "v - V", "1", law);
+  return equations::make_system(writer.system).system;
+}
+
+}  // namespace
+
+TEST_CASE("with falling friction a branch goes on where its orbits begin to stick, over a jump of the multipliers") {
+  const HybridSystem system = on_belt("0.4 + 0.4*exp(-3*u)", "1.3", "0.4");
+  // The orbit that slides all the time touches the belt's speed at this V (DOP853 and Newton's method).
+  constexpr double touches = 0.68861729034;
+  for (const bool up : {true, false}) {
+    const Vector p = parameters(system, {{"V", up ? 0.6 : 0.7}});
+    const PeriodicOrbit orbit =
+        shoot(system, p, up ? settle(system, p, vector({0.0, 0.0})).state : vector({0.02075, -0.2066}), 1);
+    REQUIRE(orbit.converged());
+    const Branch branch = followed(system, orbit, {"V", 0.55, 0.8, 0.0, up ? 1 : -1});
+    CHECK(branch.stop == BranchStop::reached_bound);
+    const auto grazings = points_of(branch, PointType::GR);
+    REQUIRE(grazings.size() == 1);
+    CHECK(text_detail(grazings[0], "kind") == "sliding");
+    CHECK(text_detail(grazings[0], "scenario") == "persistence");
+    CHECK(std::abs(grazings[0].value - touches) < 1e-8);
+    CHECK(grazings[0].precision < 1e-7);
+    for (const BranchPoint& point : branch.points) {
+      INFO("V " << point.value);
+      CHECK(point.stable == (point.value < grazings[0].value + 1e-12));
+      CHECK((point.multipliers.values[1] == 0.0) == (point.value < grazings[0].value + 1e-12));
+    }
+  }
+}
+
+TEST_CASE("where friction begins to hold a mass for good its place is kept, and no branch point is found") {
+  // The largest force is 1: friction holds the mass for good from mu = 1 on, first at x = 0 alone.
+  const HybridSystem system = on_belt("mu", "0.6", "1");
+  const Vector p = parameters(system, {{"mu", 0.9}});
+  const PeriodicOrbit orbit = orbit_from(system, p, vector({0.5, 0.0}));
+  const Branch branch = followed(system, orbit, {"mu", 0.9, 1.2, 0.0, 1});
+  CHECK(branch.stop == BranchStop::reached_bound);
+  CHECK(points_of(branch, PointType::BP).empty());
+  const auto grazings = points_of(branch, PointType::GR);
+  REQUIRE(!grazings.empty());
+  CHECK(text_detail(grazings.back(), "kind") == "sliding");
+  CHECK(grazings.back().interval[0] < 1.0 + 1e-12);
+  CHECK(grazings.back().interval[1] > 1.0 - 1e-12);
+  CHECK(grazings.back().precision < 1e-4);
+  const BranchPoint& end = branch.points.back();
+  for (const BranchPoint& point : branch.points)
+    if (point.value > grazings.back().interval[1] + 1e-12) {
+      CHECK(point.state()[0] == end.state()[0]);
+      CHECK(point.multipliers.trivial == 1);
+    }
+}

@@ -10,6 +10,7 @@
 
 #include "support/branches.hpp"
 #include "support/checks.hpp"
+#include "support/system_texts.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -475,4 +476,29 @@ TEST_CASE("an orbit without states that is reduced to its least period has none 
   CHECK(!same_edge(unknown, known));
   CHECK(!same_edge(known, unknown));
   CHECK(same_edge(known, known));
+}
+
+TEST_CASE("of places where friction holds a mass for good, a skeleton seeks one") {
+  SystemWriter writer;
+  writer.system.name = "floor";
+  writer.forcing("w").parameter("w", "0.6").parameter("mu", "1.1");
+  writer.mechanics({"x"}, {"v"}, {{{"1"}}, {{"0.1"}}, {{"1"}}, {"cos(w*t)"}}).friction("floor", "v", "1", "mu");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  SkeletonOptions options;
+  options.continuation.parameter = "mu";
+  options.continuation.from = 1.1;
+  options.continuation.to = 1.2;
+  options.settled_values = 2;
+  options.stable_values = 2;
+  options.stable_search.starts = 16;
+  options.stable_search.settling.periods = 50;
+  const std::vector<SkeletonSeed> seeds = skeleton_seeds(system, default_parameters(system.parameters), options);
+  int held = 0;
+  for (const SkeletonSeed& seed : seeds)
+    if (seed.orbit.multipliers.trivial == 1) {
+      CHECK(seed.orbit.state == Vector{{0.0, 0.0}});
+      ++held;
+    }
+  CHECK(held >= 1);
+  CHECK(held <= 2);  // one at each value
 }

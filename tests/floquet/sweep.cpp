@@ -7,6 +7,7 @@
 
 #include "support/damped_hertz.hpp"
 #include "support/newton_oscillator.hpp"
+#include "support/system_texts.hpp"
 #include "support/two_sided_oscillator.hpp"
 
 #include <catch2/catch.hpp>
@@ -364,4 +365,32 @@ TEST_CASE("sweep: a guess of a doubled orbit inside the barrier is rejected") {
   options.attractor.lyapunov.flow.kind = FlowKind::general;
   options.attractor.lyapunov.flow.tolerance = 1e-10;
   CHECK(sweep(system, p, Vector{{0.0, 0.0}}, options).size() == 2);
+}
+
+TEST_CASE("a sweep of a belt's speed follows the stick-slip cycle up to its end") {
+  SystemWriter writer;
+  writer.system.name = "belt";
+  writer.parameter("V", "0.3");
+  writer.mechanics({"x"}, {"v"}, {{{"1"}}, {{"0.05"}}, {{"1"}}}).friction("belt", "v - V", "1", "0.5", "0.8");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  SweepOptions options;
+  options.parameter = "V";
+  options.from = 0.1;
+  options.to = 0.58;
+  options.step = 0.04;
+  options.directions = {SweepDirection::up};
+  options.first_transient = 100;
+  options.attractor.transient = 100;
+  const std::vector<SweepRow> rows = sweep(system, default_parameters(system.parameters), Vector{{0.0, 0.0}}, options);
+  REQUIRE(rows.size() == 13);
+  // The slip that begins at x = 0.8 - 0.05 V, v = V is a damped oscillation about x = 0.5 and reaches v = V again up to this V.
+  constexpr double last = 0.4984163;
+  for (const SweepRow& row : rows) {
+    INFO("V " << row.value);
+    if (row.value < last) {
+      CHECK(row.attractor.type == AttractorType::periodic);
+    } else {
+      CHECK(row.attractor.termination == Termination::no_return);
+    }
+  }
 }

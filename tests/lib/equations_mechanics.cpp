@@ -458,6 +458,48 @@ TEST_CASE("a Kelvin-Voigt stop ends where its force vanishes or with adhesion wh
   }
 }
 
+TEST_CASE("a stop with a damper acts alike whatever the unit of force") {
+  const auto contacts = [](const std::string& unit, const std::string& law) {
+    SystemWriter writer;
+    writer.system.name = "units";
+    writer.forcing("w").parameter("w", "0.8").parameter("s", unit);
+    writer.mechanics({"x"}, {"v"}, {{{"s"}}, {{"0.04*s"}}, {{"s"}}, {"s*cos(w*t)"}});
+    if (law == "linear")
+      writer.stop("wall", "0.9 - x", "linear", {"30*s", "0.5*s"});
+    else
+      writer.stop("wall", "0.9 - x", "force", {"s*(30*d + 0.5*d')"});
+    const HybridSystem system = equations::make_system(writer.system).system;
+    return simulate(system, default_parameters(system.parameters), 0.0, vector({0.0, 0.0}), {.t_end = 200.0});
+  };
+  for (const char* law : {"linear", "force"}) {
+    const Trajectory one = contacts("1", law);
+    REQUIRE(one.events.size() > 50);
+    for (const char* unit : {"1e-6", "1e-3", "17", "1e3", "1.5e5", "1e9"}) {
+      INFO(law << ", unit " << unit);
+      const Trajectory other = contacts(unit, law);
+      REQUIRE(other.termination == Termination::time);
+      REQUIRE(other.events.size() == one.events.size());
+      for (std::size_t k = 0; k < one.events.size(); ++k) {
+        REQUIRE(other.events[k].event == one.events[k].event);
+        REQUIRE(other.events[k].t == Approx(one.events[k].t).margin(1e-8));
+      }
+    }
+  }
+}
+
+TEST_CASE("the force of a stop may bend beside other functions that do") {
+  for (const char* law : {"20*min(d, 0.1)", "clamp(20*d, 0, 2)", "20*d + deadzone(d, 0.15)", "20*d + 5*step(d - 0.1)"}) {
+    INFO(law);
+    SystemWriter writer;
+    writer.forcing("w").parameter("w", "0.8");
+    writer.mechanics({"x"}, {"v"}, {{{"1"}}, {{"0.04"}}, {{"1"}}, {"cos(w*t) - 0.1*abs(v)*v + 0.1*sign(x)"}});
+    writer.stop("right", "0.9 - x", "force", {law}).stop("left", "x + 1.2", "newton", {"0.7"});
+    const HybridSystem system = equations::make_system(writer.system).system;
+    const Vector p = default_parameters(system.parameters);
+    REQUIRE_THAT(check_transition(system, p, 0.0, 6.0, vector({0.3, 0.8}), 1e-8, 1e-5), all_agree());
+  }
+}
+
 TEST_CASE("several stops: modes are the combinations of closed contacts and dependent constraints give none") {
   SystemWriter writer;
   writer.system.name = "two-sided";
@@ -648,6 +690,16 @@ TEST_CASE("each mistake in mechanics gives one sentence with its place") {
           "system.toml:10:10: the name 'u' has a meaning of its own, and another one in the file, which must be renamed, in the "
           "law of rail");
   REQUIRE(slides("0.3 + 0.1*v'", "v") == "system.toml:10:11: an acceleration, the rate of v, stands in the law of rail");
+  REQUIRE(slides("-0.1", "v") == "system.toml:10:1: the coefficient of the friction rail is -0.1; allowed is >= 0");
+  REQUIRE(mistake(two(unit).stop("wall", "1 - x", "linear", {"-3"}).system) ==
+          "system.toml:15:1: the stiffness k of the stop wall is -3; allowed is >= 0");
+  REQUIRE(mistake(two(unit).stop("wall", "1 - x", "linear", {"3", "-1"}).system) ==
+          "system.toml:16:1: the damping c of the stop wall is -1; allowed is >= 0");
+  // Twice the same sliding; a wall and a belt that moves along it are two.
+  REQUIRE(mistake(two(unit).friction("a", "v - w", "1", "0.3").friction("b", "2*w - 2*v", "1", "0.1").system) ==
+          "system.toml:16:1: b slides whenever a does, at the same speed or a multiple of it: which of them holds is not "
+          "determined; write one friction with the sum of their forces");
+  REQUIRE(mistake(two(unit).friction("a", "v", "1", "0.3").friction("b", "v - m", "1", "0.1").system) == "none");
   SystemWriter none;
   none.states({"x"}).mode("free", "x' = -x").stop("wall", "1 - x", "newton", {"1"});
   REQUIRE(mistake(none.system) == "system.toml:4:1: a stop needs mechanics, with coordinates and a mass matrix");
