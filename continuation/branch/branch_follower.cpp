@@ -240,6 +240,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
     if (!close) return Verdict::reject;
     const bool rises = problem.value(after.u) > problem.value(before.u), rose = before.tangent[before.tangent.size() - 1] > 0.0;
     append_beyond_kink(problem, after, std::move(point), rises == rose, branch);
+    holds_more_ = holds_more_ && !end;
     return end || holds_more_ ? Verdict::stop : Verdict::go_on;
   }
   if (const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u)))
@@ -1063,7 +1064,7 @@ void BranchFollower::append_beyond_kink(OrbitProblem& problem, const CurvePoint&
   // Where friction begins to hold, the branch may first follow the edge of the band of places, on which a multiplier is 1.
   const auto on_edge = [](const BranchPoint& at) {
     for (const std::complex<double>& mu : nontrivial(at.multipliers))
-      if (std::abs(mu - 1.0) < 1e-8) return true;
+      if (std::abs(mu - 1.0) < 1e-6) return true;
     return false;
   };
   if (holds_more_)

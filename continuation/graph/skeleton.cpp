@@ -179,16 +179,6 @@ class SeedFinder {
     if (wanted(moved) && stays && kept_states(moved.monodromy) == kept) orbit = std::move(moved);
   }
 
-  /// Whether both orbits belong to one continuum.
-  static bool same_but_place(const PeriodicOrbit& a, const PeriodicOrbit& b) {
-    if (a.period != b.period) return false;
-    const std::vector<KeptState> kept = kept_states(a.monodromy);
-    if (kept.empty() || kept != kept_states(b.monodromy)) return false;
-    Vector x = b.state;
-    for (const KeptState& one : kept) one.set(x, one.of(a.state));
-    return state_distance(x, a.state) < same_orbit_tolerance * (1.0 + state_size(x));
-  }
-
   Vector start() const { return options_.start.value_or(Vector::Zero(static_cast<Eigen::Index>(system_.states))); }
 
   std::vector<PeriodicOrbit> search_stable(std::size_t block) const {

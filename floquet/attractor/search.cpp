@@ -204,7 +204,7 @@ class Search {
     if (!orbit.multipliers.valid) return;
     if (orbit.period == period_) {
       for (const PeriodicOrbit& known : result.orbits)
-        if (same_orbit(orbit, known)) return;
+        if (same_orbit(orbit, known) || same_but_place(orbit, known)) return;
       idle_ = 0;
     }
     // Shorter orbits are stored too: most starts may lead to them.
@@ -370,7 +370,7 @@ std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std:
     const Vector& p = starts[i].p;
     const auto same = [&](const PeriodicOrbit& other) {
       if (other.parameters != p || other.period != orbit->period) return false;
-      if (orbit->whole) return same_orbit(other, *orbit->whole);
+      if (orbit->whole) return same_orbit(other, *orbit->whole) || same_but_place(other, *orbit->whole);
       return nearest_distance(orbit->states, other.state) < same_orbit_tolerance * (1.0 + state_size(other.state));
     };
     if (std::any_of(found.begin(), found.end(), same)) continue;

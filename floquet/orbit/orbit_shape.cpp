@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/orbit_shape.hpp>
+#include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/motion/transition.hpp>
 
 #include <algorithm>
@@ -104,6 +105,15 @@ bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance
   };
   const std::optional<AlignedShape> other = aligned(all_events(b), all_events(a));
   return other && other->distance < tolerance;
+}
+
+bool same_but_place(const PeriodicOrbit& a, const PeriodicOrbit& b) {
+  if (a.period != b.period) return false;
+  const std::vector<KeptState> kept = kept_states(a.monodromy);
+  if (kept.empty() || kept != kept_states(b.monodromy)) return false;
+  Vector x = b.state;
+  for (const KeptState& one : kept) one.set(x, one.of(a.state));
+  return state_distance(x, a.state) < same_orbit_tolerance * (1.0 + state_size(x));
 }
 
 }  // namespace graze

@@ -51,4 +51,8 @@ inline constexpr double same_orbit_tolerance = 1e-8;
 /// events agree within tolerance (1 + |x|).
 bool same_orbit(const PeriodicOrbit& a, const PeriodicOrbit& b, double tolerance = same_orbit_tolerance);
 
+/// True if a and b, at the same parameters, are orbits on which friction holds a body all along, and differ in its place alone:
+/// they belong to one continuum.
+bool same_but_place(const PeriodicOrbit& a, const PeriodicOrbit& b);
+
 }  // namespace graze

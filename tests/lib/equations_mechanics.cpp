@@ -697,7 +697,7 @@ TEST_CASE("each mistake in mechanics gives one sentence with its place") {
           "system.toml:16:1: the damping c of the stop wall is -1; allowed is >= 0");
   // Twice the same sliding; a wall and a belt that moves along it are two.
   REQUIRE(mistake(two(unit).friction("a", "v - w", "1", "0.3").friction("b", "2*w - 2*v", "1", "0.1").system) ==
-          "system.toml:16:1: b slides whenever a does, at the same speed or a multiple of it: which of them holds is not "
+          "system.toml:17:1: b slides whenever a does, at the same speed or a multiple of it: which of them holds is not "
           "determined; write one friction with the sum of their forces");
   REQUIRE(mistake(two(unit).friction("a", "v", "1", "0.3").friction("b", "v - m", "1", "0.1").system) == "none");
   SystemWriter none;
