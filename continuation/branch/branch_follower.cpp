@@ -2,6 +2,7 @@
 #include <graze/continuation/branch/branch_end.hpp>
 #include <graze/continuation/branch/branch_follower.hpp>
 #include <graze/continuation/branch/branch_step.hpp>
+#include <graze/continuation/branch/kink.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
 #include <graze/continuation/conditions/hopf.hpp>
 #include <graze/continuation/problems/clear_section.hpp>
@@ -66,28 +67,6 @@ bool may_pass_zero_twice(const ValueAt& earlier, const ValueAt& before, const Va
   const double there =
       earlier.value + slope * (turn - earlier.arclength) + bend * (turn - earlier.arclength) * (turn - before.arclength);
   return there / before.value < near;
-}
-
-/// Whether the multipliers jump between two orbits with the same impacts, because other events come or go: the orbit touches a
-/// surface, on which it then slides or sticks.
-bool is_kink(const BranchPoint& before, const BranchPoint& after) {
-  constexpr double jump = 0.1;  // relative to 1 + |mu|
-  if (before.impacts != after.impacts || before.signature.events == after.signature.events) return false;
-  const auto &a = before.multipliers.values, &b = after.multipliers.values;
-  double farthest = 0.0, size = 1.0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    const auto near = std::min_element(b.begin(), b.end(),
-                                       [&](const auto& x, const auto& y) { return std::abs(x - a[i]) < std::abs(y - a[i]); });
-    farthest = std::max(farthest, std::abs(*near - a[i]));
-    size = std::max(size, 1.0 + std::abs(a[i]));
-  }
-  return farthest > jump * size;
-}
-
-/// Whether a pinned state no longer keeps its value at this point: its closing equation is a condition again.
-bool releases_pinned(const OrbitProblem& problem, const BranchPoint& point) {
-  const int of_time = point.multipliers.section == Section::autonomous ? 1 : 0;
-  return point.multipliers.trivial - of_time < std::ssize(problem.pinned());
 }
 
 }  // namespace
@@ -234,12 +213,11 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   const bool close = after.arclength - before.arclength <= 1e-7;
   if (change > 1 && hard_contacts_ && !close) return Verdict::reject;
   // Friction holds a body all along from here on: the orbits beyond keep its place, which is pinned.
-  holds_more_ =
-      point.signature != branch.points.back().signature && problem.kept_states(after.u).size() > problem.pinned().size();
+  holds_more_ = point.signature != branch.points.back().signature && holds_more(problem, after.u);
   if (holds_more_ || is_kink(branch.points.back(), point)) {
     if (!close) return Verdict::reject;
     const bool rises = problem.value(after.u) > problem.value(before.u), rose = before.tangent[before.tangent.size() - 1] > 0.0;
-    append_beyond_kink(problem, after, std::move(point), rises == rose, branch);
+    append_beyond_kink(problem, after.u, std::move(point), rises == rose, branch);
     holds_more_ = holds_more_ && !end;
     return end || holds_more_ ? Verdict::stop : Verdict::go_on;
   }
@@ -1056,30 +1034,13 @@ bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, C
   return false;
 }
 
-/// Appends the first point beyond a kink, and the kink as a grazing. The orbits go on in the same direction of the parameter, or
-/// turn there. No test function is continuous across it.
-void BranchFollower::append_beyond_kink(OrbitProblem& problem, const CurvePoint& next, BranchPoint point, bool goes_on,
-                                        Branch& branch) {
+/// Appends the first point beyond a kink, and the kink as a grazing. No test function is continuous across it.
+void BranchFollower::append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch) {
   SpecialPoint kink = plain_point(problem, last_, PointType::GR, branch);
-  // Where friction begins to hold, the branch may first follow the edge of the band of places, on which a multiplier is 1.
-  const auto on_edge = [](const BranchPoint& at) {
-    for (const std::complex<double>& mu : nontrivial(at.multipliers))
-      if (std::abs(mu - 1.0) < 1e-6) return true;
-    return false;
-  };
-  if (holds_more_)
-    while (kink.after_point > 0 && on_edge(branch.points[kink.after_point])) --kink.after_point;
-  const double value = kink.value = branch.points[kink.after_point].value;
-  kink.status = PointStatus::bracketed;
-  kink.precision = std::abs(point.value - value);
-  kink.interval[0] = std::min(point.value, value);
-  kink.interval[1] = std::max(point.value, value);
-  kink.details["kind"] = "sliding";
-  kink.details["scenario"] =
-      std::string(grazing_scenario_name(goes_on ? GrazingScenario::persistence : GrazingScenario::nonsmooth_fold));
+  describe_kink(kink, branch, point, holds_more_, goes_on);
   branch.special_points.push_back(std::move(kink));
   branch.points.push_back(std::move(point));
-  last_ = next.u;
+  last_ = u;
   earlier_ = {};
   if (options_.progress) options_.progress(branch);
 }
@@ -1091,38 +1052,17 @@ Vector BranchFollower::pin_what_is_held(OrbitProblem& problem) {
   return problem.parameter_direction();
 }
 
-/// Steps over a kink of the branch, where its orbits begin or cease to slide or stick along a surface that they touch: the orbits
-/// on the other side have other events and another tangent. `last` becomes the first point there. False if there is none next to
-/// `last`, or if its tangent does not lead to `last`.
+/// Steps over a kink at the end of the branch: `last` becomes the first point beyond it.
 bool BranchFollower::step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last) {
-  constexpr double off_tangent = 0.1;  // of the way from the kink
-  const ZeroProblem zero = problem.zero_problem();
-  const BranchPoint& end = branch.points.back();
-  const Eigen::Index of_value = last.u.size() - 1;
-  const double onwards = std::copysign(1.0, last.tangent[of_value]);
-  for (const double way : {onwards, -onwards})
-    for (const double step : {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3}) {
-      if (interrupted_now()) return false;
-      CurvePoint next;
-      next.u = last.u;
-      next.u[of_value] += way * step * problem.scale();
-      if (!correct(zero, problem.parameter_direction(), next.u, options_.trace).converged()) continue;
-      const Vector change = next.u - last.u;
-      next.tangent = tangent_at(zero, next.u, change);
-      if (next.tangent.size() == 0) continue;
-      const double along = change.dot(zero.weights.cwiseProduct(next.tangent)), length = weighted_norm(zero.weights, change);
-      if (!(weighted_norm(zero.weights, change - along * next.tangent) < off_tangent * length)) continue;
-      next.arclength = last.arclength + length;
-      BranchPoint point = problem.branch_point(next.u, end.arclength + length);
-      if (!point.multipliers.valid || point.signature == end.signature || point.impacts != end.impacts) continue;
-      if (releases_pinned(problem, point)) continue;
-      holds_more_ = problem.kept_states(next.u).size() > problem.pinned().size();
-      append_beyond_kink(problem, next, std::move(point), way == onwards, branch);
-      if (holds_more_) next.tangent = way * pin_what_is_held(problem);
-      last = std::move(next);
-      return true;
-    }
-  return false;
+  const double onwards = std::copysign(1.0, last.tangent[last.tangent.size() - 1]);
+  std::optional<BeyondKink> beyond =
+      beyond_kink(problem, last, branch.points.back(), options_.trace, [this] { return interrupted_now(); });
+  if (!beyond) return false;
+  last = std::move(beyond->curve);
+  holds_more_ = holds_more(problem, last.u);
+  append_beyond_kink(problem, last.u, std::move(beyond->point), beyond->goes_on, branch);
+  if (holds_more_) last.tangent = (beyond->goes_on ? onwards : -onwards) * pin_what_is_held(problem);
+  return true;
 }
 
 std::optional<GrazingEnd> BranchFollower::grazing_at_failure(OrbitProblem& problem, Branch& branch) {

@@ -58,7 +58,7 @@ class BranchFollower {
   bool step_around_corner(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   Vector pin_what_is_held(OrbitProblem& problem);
   bool step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last);
-  void append_beyond_kink(OrbitProblem& problem, const CurvePoint& next, BranchPoint point, bool goes_on, Branch& branch);
+  void append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
