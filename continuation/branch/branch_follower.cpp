@@ -4,7 +4,6 @@
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/branch/kink.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
-#include <graze/continuation/conditions/hopf.hpp>
 #include <graze/continuation/problems/clear_section.hpp>
 
 #include <fmt/format.h>
@@ -187,6 +186,21 @@ Verdict BranchFollower::end_before(BranchProblem& problem, const CurvePoint& bef
   return Verdict::stop;
 }
 
+/// Ends the branch of an autonomous system if its orbit shrinks to an equilibrium in the step. Empty: it does not. A step that
+/// seems to pass an equilibrium without a Hopf point went over to the same orbit half a turn later, and is shortened.
+std::optional<Verdict> BranchFollower::end_at_equilibrium(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after,
+                                                          Branch& branch) {
+  constexpr double middle = 0.5, shortest = 1e-6;
+  std::optional<double> part = zero_crossing(field_at_first_node(problem, before.u), field_at_first_node(problem, after.u));
+  if (!part && is_equilibrium(problem, after.u)) part = middle;
+  if (!part) return std::nullopt;
+  const double length = after.arclength - before.arclength;
+  hopf_ = locate_hopf(problem, before.u);
+  if (hopf_ && std::abs(hopf_->value - problem.value(before.u)) > 2.0 * length * problem.scale()) hopf_.reset();
+  if (hopf_) return end_before(problem, before, *part, after, branch, vanishes_);
+  return length > shortest ? std::optional(Verdict::reject) : std::nullopt;
+}
+
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
   if (interrupted_now()) return Verdict::stop;
   const std::optional<Verdict> end = end_of_range(problem, before, after);
@@ -223,8 +237,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   }
   if (const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u)))
     return end_before(problem, before, *part, after, branch, returned_);
-  if (const auto part = zero_crossing(field_at_first_node(problem, before.u), field_at_first_node(problem, after.u)))
-    return end_before(problem, before, *part, after, branch, vanishes_);
+  if (const auto verdict = end_at_equilibrium(problem, before, after, branch)) return *verdict;
   std::vector<PointInStep> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
@@ -436,10 +449,11 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
                                                                   const Curve& curve, const Branch& branch) const {
   if (curve.stop != TraceStop::min_step || grazing_ || branch.points.empty() || curve.points.empty()) return std::nullopt;
   const std::vector<std::size_t>& sequence = signature.equations().sequence();
+  const bool sticks = refused_ && refused_->met && !begins_contact(system_.events[refused_->met->event].kind);
   const bool through_modes = std::any_of(sequence.begin(), sequence.end(), [&](std::size_t event) {
     return system_.events[event].to != system_.events[event].from;
   });
-  if (!through_modes && !is_plastic(system_, signature.equations().parameters())) return std::nullopt;
+  if (!through_modes && !sticks && !is_plastic(system_, signature.equations().parameters())) return std::nullopt;
   const BranchPoint& end = branch.points.back();
   OrbitProblem there = problem.with_section(end.section_phase);
   if (there.nodes() != static_cast<int>(end.nodes.size())) return std::nullopt;
@@ -534,10 +548,9 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
   } else if (vanishes_) {
-    const std::optional<HopfPoint> hopf = locate_hopf(*states, last_);
-    if (hopf) branch.stop_value = hopf->value;
-    stop(BranchStop::equilibrium, fmt::format("the orbit shrinks to an equilibrium {} {} = {:.12g}{}", hopf ? "at" : "near",
-                                              branch.parameter, branch.stop_value, hopf ? " (a Hopf point)" : ""));
+    branch.stop_value = hopf_->value;
+    stop(BranchStop::equilibrium,
+         fmt::format("the orbit shrinks to an equilibrium at {} = {:.12g} (a Hopf point)", branch.parameter, hopf_->value));
   } else if (chatter_ends_) {
     const bool sticks = end.isolated_impacts < end.impacts;
     const std::string what =
@@ -1034,11 +1047,14 @@ bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, C
   return false;
 }
 
-/// Appends the first point beyond a kink, and the kink as a grazing. No test function is continuous across it.
+/// Appends the first point beyond a kink, and the kink as a grazing, if it is one: events that pass a node or change places make
+/// none. No test function is continuous across it.
 void BranchFollower::append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch) {
-  SpecialPoint kink = plain_point(problem, last_, PointType::GR, branch);
-  describe_kink(kink, branch, point, holds_more_, goes_on);
-  branch.special_points.push_back(std::move(kink));
+  if (holds_more_ || is_kink(branch.points.back(), point)) {
+    SpecialPoint kink = plain_point(problem, last_, PointType::GR, branch);
+    describe_kink(kink, branch, point, holds_more_, goes_on);
+    branch.special_points.push_back(std::move(kink));
+  }
   branch.points.push_back(std::move(point));
   last_ = u;
   earlier_ = {};

@@ -10,6 +10,7 @@
 #include <graze/continuation/branch/branch_switching.hpp>
 #include <graze/continuation/branch/continuation_options.hpp>
 #include <graze/continuation/conditions/grazing.hpp>
+#include <graze/continuation/conditions/hopf.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
 
@@ -59,6 +60,7 @@ class BranchFollower {
   Vector pin_what_is_held(OrbitProblem& problem);
   bool step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   void append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch);
+  std::optional<Verdict> end_at_equilibrium(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -114,10 +116,11 @@ class BranchFollower {
     double value, place;
     bool to_contact;
   };
-  bool clear_of_soft_ = false;    ///< nodes stay clear of soft contacts too
-  std::optional<Corner> corner_;  ///< set during a step around it
-  bool section_blocked_ = false;  ///< an impact is too close to a node
-  bool holds_more_ = false;       ///< at the last step friction begins to hold a body all along
+  bool clear_of_soft_ = false;     ///< nodes stay clear of soft contacts too
+  std::optional<Corner> corner_;   ///< set during a step around it
+  std::optional<HopfPoint> hopf_;  ///< where the orbit vanishes
+  bool section_blocked_ = false;   ///< an impact is too close to a node
+  bool holds_more_ = false;        ///< at the last step friction begins to hold a body all along
   std::optional<GrazingEnd> grazing_;
   // For a branch that starts on a grazing, until it has its first point:
   Vector beginning_;      ///< the grazing

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch/kink.hpp>
+#include <graze/continuation/conditions/test_function.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -23,4 +23,7 @@ struct HopfPoint {
 /// of the mode at the first node. Empty: the search does not converge near u.
 std::optional<HopfPoint> locate_hopf(OrbitProblem& problem, const Vector& u);
 
+/// Whether the orbit u is so small that it cannot be told from an equilibrium.
+bool is_equilibrium(OrbitProblem& problem, const Vector& u);
+
 }  // namespace graze
