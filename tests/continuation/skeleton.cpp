@@ -490,8 +490,10 @@ TEST_CASE("of places where friction holds a mass for good, a skeleton seeks one"
   options.continuation.to = 1.2;
   options.settled_values = 2;
   options.stable_values = 2;
-  options.stable_search.starts = 16;
+  options.settle = 100;
+  options.stable_search.starts = 4;
   options.stable_search.settling.periods = 50;
+  options.families.all = false;  // at the edges of the places every state nearly closes, which makes that search long
   const std::vector<SkeletonSeed> seeds = skeleton_seeds(system, default_parameters(system.parameters), options);
   int held = 0;
   for (const SkeletonSeed& seed : seeds)
