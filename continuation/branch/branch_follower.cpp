@@ -4,6 +4,7 @@
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/branch/kink.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
+#include <graze/continuation/conditions/hopf.hpp>
 #include <graze/continuation/problems/clear_section.hpp>
 
 #include <fmt/format.h>
@@ -167,9 +168,9 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
   return true;
 }
 
-/// Ends the branch just before a place in the step where its orbits end, and locates the special points up to there. Sets `ends`.
+/// Ends the branch just before a place in the step where its orbits end, and locates the special points up to there.
 Verdict BranchFollower::end_before(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after,
-                                   Branch& branch, bool& ends) {
+                                   Branch& branch) {
   constexpr double just_before = 0.9;
   const Vector chord = after.u - before.u;
   CurvePoint last;
@@ -182,8 +183,17 @@ Verdict BranchFollower::end_before(BranchProblem& problem, const CurvePoint& bef
   if (point.isolated_impacts != branch.points.back().isolated_impacts) return Verdict::reject;
   if (!take(problem, before, last, std::move(point), {}, branch)) return Verdict::reject;
   after = std::move(last);
-  ends = true;
   return Verdict::stop;
+}
+
+/// Ends a doubled branch if it passes through the orbit of half its period in the step. Empty: it does not.
+std::optional<Verdict> BranchFollower::end_at_half(BranchProblem& problem, const CurvePoint& before, CurvePoint& after,
+                                                   Branch& branch) {
+  const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u));
+  if (!part) return std::nullopt;
+  const Verdict verdict = end_before(problem, before, *part, after, branch);
+  returned_ = verdict == Verdict::stop;
+  return verdict;
 }
 
 /// Ends the branch of an autonomous system if its orbit shrinks to an equilibrium in the step. Empty: it does not. A step that
@@ -195,10 +205,12 @@ std::optional<Verdict> BranchFollower::end_at_equilibrium(OrbitProblem& problem,
   if (!part && is_equilibrium(problem, after.u)) part = middle;
   if (!part) return std::nullopt;
   const double length = after.arclength - before.arclength;
-  hopf_ = locate_hopf(problem, before.u);
-  if (hopf_ && std::abs(hopf_->value - problem.value(before.u)) > 2.0 * length * problem.scale()) hopf_.reset();
-  if (hopf_) return end_before(problem, before, *part, after, branch, vanishes_);
-  return length > shortest ? std::optional(Verdict::reject) : std::nullopt;
+  const std::optional<double> hopf = locate_hopf(problem, before.u);
+  if (!hopf || std::abs(*hopf - problem.value(before.u)) > 2.0 * length * problem.scale())
+    return length > shortest ? std::optional(Verdict::reject) : std::nullopt;
+  const Verdict verdict = end_before(problem, before, *part, after, branch);
+  if (verdict == Verdict::stop) vanishes_at_ = hopf;
+  return verdict;
 }
 
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
@@ -235,8 +247,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
     holds_more_ = holds_more_ && !end;
     return end || holds_more_ ? Verdict::stop : Verdict::go_on;
   }
-  if (const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u)))
-    return end_before(problem, before, *part, after, branch, returned_);
+  if (const auto verdict = end_at_half(problem, before, after, branch)) return *verdict;
   if (const auto verdict = end_at_equilibrium(problem, before, after, branch)) return *verdict;
   std::vector<PointInStep> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
@@ -289,8 +300,7 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   if (refused_) return reaches_grazing(problem, before, after, branch) ? Verdict::stop : Verdict::reject;
   BranchPoint point = problem.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
-  if (const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u)))
-    return end_before(problem, before, *part, after, branch, returned_);
+  if (const auto verdict = end_at_half(problem, before, after, branch)) return *verdict;
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
   return end.value_or(Verdict::go_on);
 }
@@ -470,8 +480,9 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   symmetries_ = flight_symmetries(system_, branch.parameters);
-  interrupted_ = returned_ = vanishes_ = chatter_ends_ = clear_of_soft_ = holds_more_ = false;
+  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = holds_more_ = false;
   fastest_ = 0.0;
+  vanishes_at_.reset();
   refused_.reset();
   grazing_.reset();
   std::optional<BranchStart> by_events;
@@ -547,10 +558,10 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (returned_) {
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
-  } else if (vanishes_) {
-    branch.stop_value = hopf_->value;
+  } else if (vanishes_at_) {
+    branch.stop_value = *vanishes_at_;
     stop(BranchStop::equilibrium,
-         fmt::format("the orbit shrinks to an equilibrium at {} = {:.12g} (a Hopf point)", branch.parameter, hopf_->value));
+         fmt::format("the orbit shrinks to an equilibrium at {} = {:.12g} (a Hopf point)", branch.parameter, *vanishes_at_));
   } else if (chatter_ends_) {
     const bool sticks = end.isolated_impacts < end.impacts;
     const std::string what =

@@ -10,7 +10,6 @@
 #include <graze/continuation/branch/branch_switching.hpp>
 #include <graze/continuation/branch/continuation_options.hpp>
 #include <graze/continuation/conditions/grazing.hpp>
-#include <graze/continuation/conditions/hopf.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
 
@@ -64,8 +63,8 @@ class BranchFollower {
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_beyond_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
-  Verdict end_before(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after, Branch& branch,
-                     bool& ends);
+  Verdict end_before(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after, Branch& branch);
+  std::optional<Verdict> end_at_half(BranchProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   bool interrupted_now();
   std::optional<Verdict> end_of_range(BranchProblem& problem, const CurvePoint& before, CurvePoint& after) const;
   bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
@@ -110,17 +109,17 @@ class BranchFollower {
     std::vector<double> values;
   };
   EarlierValues earlier_;
-  bool interrupted_ = false, returned_ = false, vanishes_ = false, chatter_ends_ = false;
+  bool interrupted_ = false, returned_ = false, chatter_ends_ = false;
   /// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
   struct Corner {
     double value, place;
     bool to_contact;
   };
-  bool clear_of_soft_ = false;     ///< nodes stay clear of soft contacts too
-  std::optional<Corner> corner_;   ///< set during a step around it
-  std::optional<HopfPoint> hopf_;  ///< where the orbit vanishes
-  bool section_blocked_ = false;   ///< an impact is too close to a node
-  bool holds_more_ = false;        ///< at the last step friction begins to hold a body all along
+  bool clear_of_soft_ = false;         ///< nodes stay clear of soft contacts too
+  std::optional<Corner> corner_;       ///< set during a step around it
+  std::optional<double> vanishes_at_;  ///< the Hopf point at which the orbit shrinks to an equilibrium
+  bool section_blocked_ = false;       ///< an impact is too close to a node
+  bool holds_more_ = false;            ///< at the last step friction begins to hold a body all along
   std::optional<GrazingEnd> grazing_;
   // For a branch that starts on a grazing, until it has its first point:
   Vector beginning_;      ///< the grazing

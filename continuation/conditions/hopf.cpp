@@ -42,7 +42,6 @@ class Equilibria {
     return *std::min_element(all.begin(), all.end(),
                              [&](const auto& a, const auto& b) { return std::abs(a - wanted) < std::abs(b - wanted); });
   }
-  const Vector& state() const { return x_; }
 
  private:
   const Mode& mode_;
@@ -74,7 +73,7 @@ bool is_equilibrium(OrbitProblem& problem, const Vector& u) {
   return f.lpNorm<Eigen::Infinity>() * duration < rounding * problem.state_scale(u);
 }
 
-std::optional<HopfPoint> locate_hopf(OrbitProblem& problem, const Vector& u) {
+std::optional<double> locate_hopf(OrbitProblem& problem, const Vector& u) {
   const HybridSystem& system = problem.system();
   const double begin = problem.value(u), duration = problem.equations().duration(u.head(u.size() - 1)) / problem.period();
   Vector p = problem.equations().parameters();
@@ -96,7 +95,7 @@ std::optional<HopfPoint> locate_hopf(OrbitProblem& problem, const Vector& u) {
     if (std::abs(value - begin) > farthest * problem.scale()) return std::nullopt;
     if (real == 0.0 || std::abs(change) <= precision * (1.0 + std::abs(value))) {
       if (std::abs(eigenvalue.imag() - omega) > other_frequency * omega) return std::nullopt;
-      return HopfPoint{value, equilibria.state(), eigenvalue.imag()};
+      return value;
     }
     before = value;
     real_before = real;

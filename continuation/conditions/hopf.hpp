@@ -13,15 +13,9 @@ namespace graze {
 /// a forced system.
 Vector field_at_first_node(OrbitProblem& problem, const Vector& u);
 
-struct HopfPoint {
-  double value = 0.0;      ///< of the parameter
-  Vector state;            ///< the equilibrium
-  double frequency = 0.0;  ///< omega
-};
-
-/// The Hopf point near the small orbit u, by the secant method on the real part of the eigenvalues, along the equilibria f = 0
-/// of the mode at the first node. Empty: the search does not converge near u.
-std::optional<HopfPoint> locate_hopf(OrbitProblem& problem, const Vector& u);
+/// The parameter at the Hopf point near the small orbit u, by the secant method on the real part of the eigenvalues, along the
+/// equilibria f = 0 of the mode at the first node. Empty: the search does not converge near u.
+std::optional<double> locate_hopf(OrbitProblem& problem, const Vector& u);
 
 /// Whether the orbit u is so small that it cannot be told from an equilibrium.
 bool is_equilibrium(OrbitProblem& problem, const Vector& u);
