@@ -3,12 +3,11 @@
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/transient.hpp>
 #include <graze/floquet/exponents/running_average.hpp>
-#include <graze/floquet/orbit/observe.hpp>
 #include <graze/lib/numerics/parallel.hpp>
+#include <graze/lib/tasks/observe.hpp>
 
 #include <algorithm>
 #include <functional>
-#include <numbers>
 
 namespace graze {
 
@@ -65,39 +64,6 @@ void settle_on(Attractor& attractor, StableOrbit orbit) {
 
 namespace {
 
-/// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
-/// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least ten times `parting`.
-constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
-constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * decorrelation_periods;
-
-/// Expected length of an average: its budget, or the periods after which the standard error reaches its bound. (The growth per
-/// period has a standard deviation of about 1/3, and a period is about 2 pi long.)
-std::int64_t expected_periods(const LyapunovOptions& averaging) {
-  const double per_error = 3.0 * averaging.standard_error * 2.0 * std::numbers::pi;
-  return static_cast<std::int64_t>(
-      std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
-}
-}  // namespace
-
-int motions_in_chaos(const LyapunovOptions& averaging) {
-  if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
-  const std::int64_t wanted = expected_periods(averaging) / (10 * decorrelation_periods);
-  return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
-}
-
-int motions_of_propagators(const LyapunovOptions& averaging) {
-  constexpr int motions = 4;
-  const bool too_short = averaging.change > 0.0 || expected_periods(averaging) < 10 * motions * decorrelation_periods;
-  return too_short ? 1 : motions;
-}
-
-int motions_in_shared_lanes(const LyapunovOptions& averaging) {
-  const int alone = motions_in_chaos(averaging);
-  return expected_periods(averaging) < 4 * decorrelation_periods * alone ? 1 : alone;
-}
-
-namespace {
-
 /// Periods after which a running average is checked for a motion that has settled; the interval then doubles.
 constexpr std::int64_t first_check_of_average = 2000;
 
@@ -115,12 +81,11 @@ bool alone(const AttractorOptions& options) { return !is_fast(options) || option
 /// The orbit of up to `most` periods on which the motion at `state` is settling. `refused`: orbits that it was seen to pass.
 MotionTask<OrbitSearchResult> look(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state, int most,
                                    const AttractorOptions& options, RefusedOrbits* refused = nullptr) {
-  OrbitSearchResult out;
-  if (is_fast(options))
-    out = co_await look_for_orbit(lane, system, p, state, most, return_tolerance(options), options.lyapunov.flow, refused);
-  else if (auto orbit = settling_orbit(lane.propagator(), state, most, options.lyapunov.all_threads))
-    out.orbit = StableOrbit(std::move(*orbit));
-  co_return out;
+  const OrbitSearch search{.max_period = most,
+                           .nearness = is_fast(options) ? return_tolerance(options) : 0.0,
+                           .refused = refused,
+                           .all_threads = options.lyapunov.all_threads};
+  return look_for_orbit(lane, system, p, state, search);
 }
 
 void average_on_orbit(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
@@ -157,14 +122,15 @@ std::optional<StableOrbit> orbit_at_ends(const HybridSystem& system, const Vecto
   const int most = longest_period_tried(options, average.periods_each());
   const std::size_t together = options.lyapunov.all_threads ? available_threads() : 1;
   for (std::size_t begin = 0; begin < ends.size() && !cancelled(options); begin += together) {
-    std::vector<std::optional<PeriodicOrbit>> orbits(std::min(together, ends.size() - begin));
-    in_parallel(orbits.size(), [&](std::size_t i) {
-      Propagator propagator(system, p, {}, options.lyapunov.flow);
-      orbits[i] = settling_orbit(propagator, ends[begin + i], most, options.lyapunov.all_threads);
-    });
+    std::vector<OrbitSearchResult> looked(std::min(together, ends.size() - begin));
+    const auto look_from = [&](std::size_t i, TaskSlot& lane) -> MotionTask<> {
+      lane.set_parameters(p);
+      looked[i] = co_await look(lane, system, p, ends[begin + i], most, options);
+    };
+    run_tasks(system, options.lyapunov.flow, options.lyapunov.all_threads, looked.size(), look_from);
     if (cancelled(options)) break;  // some may have been tried in part
-    for (auto& orbit : orbits)
-      if (orbit) return StableOrbit(std::move(*orbit));
+    for (OrbitSearchResult& one : looked)
+      if (one.orbit) return std::move(one.orbit);
   }
   return std::nullopt;
 }
@@ -273,10 +239,7 @@ MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, co
   lane.set_parameters(p, alone(options));
   LyapunovOptions averaging = options.lyapunov;
   averaging.significance = options.significance;  // also long enough to establish chaos
-  if (!is_fast(options))
-    averaging.motions =
-        std::max(averaging.motions, LaneCarrier::applies(system, p, averaging.flow) ? motions_in_chaos(averaging)
-                                                                                    : motions_of_propagators(averaging));
+  if (!is_fast(options)) averaging.motions = std::max(averaging.motions, enough_motions(system, p, averaging));
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
     const bool on = co_await average(lane, system, p, round, averaging, options, attractor);

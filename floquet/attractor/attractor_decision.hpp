@@ -29,14 +29,6 @@ LaminarPhase laminar_watch(const Attractor& attractor, int period, double T, con
 /// farther in each round. A motion that is still laminar after the last round, and was so throughout, is undecided.
 bool goes_on(const LaminarPhase& watch, const HybridSystem& system, const Vector& p, int round, Attractor& attractor);
 
-/// LyapunovOptions::motions for an average over possibly chaotic motion. motions_in_chaos: in lanes, for an average computed by
-/// itself. motions_of_propagators: the same for systems that the lanes do not support; several threads share the motions.
-/// motions_in_shared_lanes: for one that shares the lanes with others; these fill the lanes, so that one motion is enough unless
-/// the average is long.
-int motions_in_chaos(const LyapunovOptions& averaging);
-int motions_of_propagators(const LyapunovOptions& averaging);
-int motions_in_shared_lanes(const LyapunovOptions& averaging);
-
 /// Evaluates the time average of a motion that is not known to be periodic and has not settled.
 void evaluate_average(LyapunovSpectrum average, const AttractorOptions& options, Attractor& attractor);
 

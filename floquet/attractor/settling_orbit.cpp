@@ -4,12 +4,11 @@
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
 #include <graze/floquet/orbit/lane_orbits.hpp>
-#include <graze/floquet/orbit/observe.hpp>
 #include <graze/floquet/orbit/returns.hpp>
 #include <graze/floquet/orbit/stroboscopic_states.hpp>
-#include <graze/lib/motion/lane_carrier.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/numerics/decompositions.hpp>
+#include <graze/lib/tasks/observe.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -273,12 +272,11 @@ MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<S
 
 namespace {
 
-/// The problem in which an orbit is sought, and the orbits that the motion was seen to pass.
+/// The problem in which an orbit is sought among the closest returns, and the orbits that the motion was seen to pass.
 struct Search {
   const HybridSystem& system;
   const Vector& p;
   const Vector& state;
-  const FlowOptions& flow;
   RefusedOrbits& passed_by;
 };
 
@@ -297,7 +295,7 @@ MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& lane, const Search
   if (says == Verdict::delicate) {
     std::vector<Vector> nodes;
     std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
-    Propagator propagator(search.system, search.p, {}, search.flow);
+    Propagator propagator(search.system, search.p, {}, lane.motions().options());
     found = whole(stable_orbit_near(propagator, nodes, passed_by));
   } else if (says == Verdict::yes && !passed_by.knows(orbit.states, search.state)) {
     found = co_await orbit_approached_in_lanes(lane, search.system, search.p, orbit, search.state);
@@ -327,33 +325,6 @@ template <class State> MotionTask<OrbitSearchResult> look(TaskSlot& lane, const 
   co_return out;
 }
 
-}  // namespace
-
-MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness) {
-  const std::vector<Vector> states = co_await next_states<Vector>(lane, state, max_period);
-  const std::vector<int> returns = returns_of(states, nearness, max_period);
-  co_return returns.empty() ? 0 : returns.front();
-}
-
-MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                             int max_period, double nearness, const FlowOptions& flow, RefusedOrbits* refused) {
-  OrbitSearchResult out;
-  if (may_rest(system, p, state)) {
-    Propagator propagator(system, p, {}, flow);
-    out.orbit = whole(resting_orbit(propagator, state));
-    if (out.orbit) co_return out;
-  }
-  RefusedOrbits own;
-  const Search search{system, p, state, flow, refused ? *refused : own};
-  if (lane.in_lanes())
-    out = co_await look<StatePair>(lane, search, max_period, nearness);
-  else
-    out = co_await look<Vector>(lane, search, max_period, nearness);
-  co_return out;
-}
-
-namespace {
-
 /// Whether the last of these returns, after 1, 2, ... n periods, is closer than those after the divisors of n. Otherwise it
 /// would lead to the same orbits as they do.
 bool closer_than_divisors(const std::vector<double>& distances) {
@@ -363,50 +334,30 @@ bool closer_than_divisors(const std::vector<double>& distances) {
   return true;
 }
 
-}  // namespace
-
-std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
-                                            const FlowOptions& flow) {
-  Propagator propagator(system, p, {}, flow);
-  return settling_orbit(propagator, state, max_period);
-}
-
-std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period, bool all_threads) {
-  if (auto rest = resting_orbit(propagator, state)) return rest;
+/// The stable orbit on which the motion at `state` is settling, by trying all its returns that may have settled.
+std::optional<PeriodicOrbit> orbit_of_any_return(Propagator& propagator, const Vector& state, int max_period, bool all_threads) {
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
-  const FlowOptions& flow = propagator.options();
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   std::vector<Vector> states{state};
   std::vector<int> worth;  // periods of returns that have not been tried
   RefusedOrbits refused;   // several returns may lead to the same one
   std::size_t together = 1;
-  std::unique_ptr<LaneCarrier> many;
   // Chaos has many returns, most of them to unstable orbits. A return that Newton's method has rejected in lanes is not tried
   // again.
   const auto look = [&]() -> std::optional<PeriodicOrbit> {
-    std::vector<LaneOrbit> orbits;
-    if (LaneCarrier::applies(system, p, flow)) {
-      if (!many) {
-        many = std::make_unique<LaneCarrier>(system, flow);
-        if (all_threads) many->use_all_threads();
-        many->add_parameters(p);
-      }
-      std::vector<LaneGuess> guesses;
-      std::vector<StatePair> pairs;
-      std::transform(states.begin(), states.end(), std::back_inserter(pairs), pair_of);
-      for (const int n : worth) guesses.push_back({0, {pairs.begin(), pairs.begin() + n}});
-      orbits = shoot_together(*many, guesses, {.max_halvings = quick_halvings});
-    }
+    std::vector<std::vector<Vector>> guesses;
+    for (const int n : worth) guesses.emplace_back(states.begin(), states.begin() + n);
+    const std::vector<LaneOrbit> orbits =
+        shoot_together(system, p, guesses, {.max_halvings = quick_halvings}, propagator.options(), all_threads);
     const auto can_be_skipped = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
       if (!orbit.converged) return between_halves(around, near_halves).empty();
       if (has_doubled(orbit.states.size(), orbit.multipliers[0], around.size())) return false;
       return verdict(orbit, state) == Verdict::no || refused.knows(orbit.states, state);
     };
-    for (std::size_t i = 0; i < worth.size(); ++i) {
-      const std::vector<Vector> around(states.begin(), states.begin() + worth[i]);
-      if (!orbits.empty() && can_be_skipped(orbits[i], around)) continue;
-      if (auto orbit = stable_orbit_near(propagator, around, refused)) return orbit;
+    for (std::size_t i = 0; i < guesses.size(); ++i) {
+      if (!orbits.empty() && can_be_skipped(orbits[i], guesses[i])) continue;
+      if (auto orbit = stable_orbit_near(propagator, guesses[i], refused)) return orbit;
     }
     worth.clear();
     together *= 2;
@@ -433,6 +384,51 @@ std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector
     states.push_back(next);
   }
   return spectral_radius(growth) > max_growth ? std::nullopt : look();
+}
+
+}  // namespace
+
+MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness) {
+  const std::vector<Vector> states = co_await next_states<Vector>(lane, state, max_period);
+  const std::vector<int> returns = returns_of(states, nearness, max_period);
+  co_return returns.empty() ? 0 : returns.front();
+}
+
+MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
+                                             OrbitSearch search) {
+  OrbitSearchResult out;
+  std::unique_ptr<Propagator> own;
+  const auto propagator = [&]() -> Propagator& {
+    if (!lane.in_lanes()) return lane.propagator();
+    if (!own) own = std::make_unique<Propagator>(system, p, std::vector<std::size_t>{}, lane.motions().options());
+    return *own;
+  };
+  if (may_rest(system, p, state)) {
+    out.orbit = whole(resting_orbit(propagator(), state));
+    if (out.orbit) co_return out;
+  }
+  if (!(search.nearness > 0.0)) {
+    out.orbit = whole(orbit_of_any_return(propagator(), state, search.max_period, search.all_threads));
+    co_return out;
+  }
+  RefusedOrbits here;
+  const Search among{system, p, state, search.refused ? *search.refused : here};
+  if (lane.in_lanes())
+    out = co_await look<StatePair>(lane, among, search.max_period, search.nearness);
+  else
+    out = co_await look<Vector>(lane, among, search.max_period, search.nearness);
+  co_return out;
+}
+
+std::optional<StableOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                          const FlowOptions& flow) {
+  OrbitSearchResult found;
+  run_alone(system, flow, [&](TaskSlot& lane) -> MotionTask<> {
+    lane.set_parameters(p);
+    const OrbitSearch search{.max_period = max_period};
+    found = co_await look_for_orbit(lane, system, p, state, search);
+  });
+  return found.orbit;
 }
 
 namespace {

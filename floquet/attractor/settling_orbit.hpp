@@ -12,13 +12,6 @@ namespace graze {
 
 class RefusedOrbits;
 
-/// The stable orbit on which a motion at `state` is settling, if it is periodic with period up to max_period. `all_threads`:
-/// work in lanes uses all threads of the caller's arena (oneTBB); the result does not depend on this.
-std::optional<PeriodicOrbit> settling_orbit(Propagator& propagator, const Vector& state, int max_period,
-                                            bool all_threads = false);
-std::optional<PeriodicOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
-                                            const FlowOptions& flow = {});
-
 /// The orbit of a mass that rests forever at its stop (lib/rest.hpp), if the motion at `state` is on it or reaches it. Every
 /// search for an orbit tries this first. `may_rest` is a cheap test that excludes it.
 std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector& state);
@@ -33,12 +26,25 @@ struct OrbitSearchResult {
   int closest = 0;  ///< periods of the closest return; 0: none
 };
 
-/// Faster settling_orbit for a task, at the parameters of its slot: tries only the few closest returns, and only those within
-/// `nearness`, relative to 1 + |x|. In lanes, the orbit is whole only in delicate cases (lane_orbits.hpp). `refused`: orbits that
-/// the motion was seen to pass; orbits that it passes now are added.
+/// How an orbit is sought.
+struct OrbitSearch {
+  int max_period = 64;  ///< longest period tried
+  /// > 0: only the few closest returns are tried, and only those within this distance, relative to 1 + |x|. In lanes, the orbit
+  /// is then whole only in delicate cases (lane_orbits.hpp). 0: exhaustive; every return that may have settled is tried, and the
+  /// orbit is whole.
+  double nearness = 0.0;
+  /// Of a search among the closest returns: orbits that the motion was seen to pass; those that it passes now are added. May be
+  /// null. An exhaustive search tries all of them again.
+  RefusedOrbits* refused = nullptr;
+  bool all_threads = false;  ///< an exhaustive search uses all threads of the caller's arena (oneTBB); its result is the same
+};
+
+/// The stable orbit on which the motion at `state` is settling, for a task, at the parameters p of its slot.
 MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                             int max_period, double nearness, const FlowOptions& flow = {},
-                                             RefusedOrbits* refused = nullptr);
+                                             OrbitSearch search);
+/// The same by an exhaustive search alone.
+std::optional<StableOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
+                                          const FlowOptions& flow = {});
 
 /// Number of periods after which the motion from `state` returns most closely, among up to max_period; 0: not within `nearness`.
 MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness);
@@ -49,7 +55,7 @@ MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane,
                                                                  const LaneOrbit& orbit, const Vector& state);
 
 /// The states from which a motion may be settling on a stable orbit: the tangent does not keep growing. In chaos it does;
-/// testing all states for this costs less than running settling_orbit on a few. All states have the same parameters.
+/// testing all states for this costs less than an exhaustive search from a few. All states have the same parameters.
 /// `all_threads`: uses all threads of the caller's arena (oneTBB); the result does not depend on this.
 std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector& p, const std::vector<Vector>& states,
                                         const FlowOptions& flow = {}, bool all_threads = false);

@@ -4,10 +4,10 @@
 #include <graze/floquet/basins/basin_shares.hpp>
 #include <graze/floquet/basins/basins.hpp>
 #include <graze/floquet/basins/contact_table_probe.hpp>
-#include <graze/floquet/orbit/observe.hpp>
 #include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/numerics/spread_order.hpp>
+#include <graze/lib/tasks/observe.hpp>
 
 #include <fmt/format.h>
 
@@ -41,8 +41,8 @@ struct Run {
   enum class End { cancelled, reached, new_orbit, unrecognised, inadmissible, lost };
   End end = End::cancelled;
   std::size_t attractor = 0;
-  Vector state;                          ///< empty: not carried yet
-  std::unique_ptr<PeriodicOrbit> orbit;  ///< by pointer: most runs have none
+  Vector state;                        ///< empty: not carried yet
+  std::unique_ptr<StableOrbit> orbit;  ///< by pointer: most runs have none
   std::int64_t periods = 0;
   bool analysed = false;  ///< it has been analysed, while others waited
 };
@@ -260,14 +260,15 @@ class Search {
     Propagator propagator(system_, p_, {}, options_.flow);
     // The state may be older than the last period, because periods are left out.
     const auto all = static_cast<std::size_t>(options_.transient) + 1;
-    return take_orbit(run, resting_orbit(propagator, stroboscopic_states(propagator, state, all).back()));
+    auto rest = resting_orbit(propagator, stroboscopic_states(propagator, state, all).back());
+    return rest && take_orbit(run, StableOrbit(std::move(*rest)));
   }
 
-  bool take_orbit(Run& run, std::optional<PeriodicOrbit> orbit) const {
+  bool take_orbit(Run& run, std::optional<StableOrbit> orbit) const {
     if (!orbit) return false;
-    run.orbit = std::make_unique<PeriodicOrbit>(std::move(*orbit));
+    run.orbit = std::make_unique<StableOrbit>(std::move(*orbit));
     run.end = Run::End::new_orbit;
-    if (const auto same = known_.orbit_at(run.orbit->state, run.orbit->period)) {
+    if (const auto same = known_.orbit_at(run.orbit->states.front(), run.orbit->period)) {
       run.end = Run::End::reached;
       run.attractor = *same;
     }
@@ -276,7 +277,7 @@ class Search {
 
   void enter_orbit(Run& run) {
     Attractor attractor;
-    settle_on(attractor, StableOrbit(std::move(*run.orbit)));
+    settle_on(attractor, std::move(*run.orbit));
     run.orbit.reset();
     enter(run, std::move(attractor));
   }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 
 namespace graze {
@@ -119,6 +120,46 @@ class FrameMotions : public Average<FrameMotion> {
 };
 
 }  // namespace
+
+namespace {
+
+/// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
+/// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least ten times
+/// `decorrelation_periods`.
+constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
+constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * decorrelation_periods;
+
+/// Expected length of an average: its budget, or the periods after which the standard error reaches its bound. (The growth per
+/// period has a standard deviation of about 1/3, and a period is about 2 pi long.)
+std::int64_t expected_periods(const LyapunovOptions& averaging) {
+  const double per_error = 3.0 * averaging.standard_error * 2.0 * std::numbers::pi;
+  return static_cast<std::int64_t>(
+      std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
+}
+/// Motions of an average that has the lanes for itself.
+int motions_in_lanes(const LyapunovOptions& averaging) {
+  if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
+  const std::int64_t wanted = expected_periods(averaging) / (10 * decorrelation_periods);
+  return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
+}
+
+/// Motions of an average by Propagators: several threads share them.
+int motions_of_propagators(const LyapunovOptions& averaging) {
+  constexpr int motions = 4;
+  const bool too_short = averaging.change > 0.0 || expected_periods(averaging) < 10 * motions * decorrelation_periods;
+  return too_short ? 1 : motions;
+}
+
+}  // namespace
+
+int enough_motions(const HybridSystem& system, const Vector& p, const LyapunovOptions& averaging) {
+  return LaneCarrier::applies(system, p, averaging.flow) ? motions_in_lanes(averaging) : motions_of_propagators(averaging);
+}
+
+int motions_in_shared_lanes(const LyapunovOptions& averaging) {
+  const int alone = motions_in_lanes(averaging);
+  return expected_periods(averaging) < 4 * decorrelation_periods * alone ? 1 : alone;
+}
 
 std::vector<MotionStart> neighbouring_starts(std::size_t parameters, const Vector& state, int motions) {
   std::vector<MotionStart> starts;

@@ -52,4 +52,10 @@ inline constexpr std::int64_t decorrelation_periods = 300, aligning_periods = 60
 /// Starts of this many neighbouring motions at a parameter set, the first at `state`.
 std::vector<MotionStart> neighbouring_starts(std::size_t parameters, const Vector& state, int motions);
 
+/// LyapunovOptions::motions for an average over possibly chaotic motion. enough_motions: for an average computed by itself, by
+/// the lanes or by Propagators. motions_in_shared_lanes: for one that shares the lanes with others; these fill the lanes, so that
+/// one motion is enough unless the average is long.
+int enough_motions(const HybridSystem& system, const Vector& p, const LyapunovOptions& averaging);
+int motions_in_shared_lanes(const LyapunovOptions& averaging);
+
 }  // namespace graze

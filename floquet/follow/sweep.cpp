@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/exponents/running_average.hpp>
 #include <graze/floquet/follow/row_runner.hpp>
 #include <graze/floquet/follow/sweep_chain.hpp>
 #include <graze/lib/numerics/parallel.hpp>

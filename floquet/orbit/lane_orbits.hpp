@@ -48,5 +48,9 @@ MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<doub
 
 /// The same for many guesses in parallel.
 std::vector<LaneOrbit> shoot_together(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience = {});
+/// The same at the parameters p; empty if the lanes do not support the system there.
+std::vector<LaneOrbit> shoot_together(const HybridSystem& system, const Vector& p,
+                                      const std::vector<std::vector<Vector>>& guesses, LanePatience patience,
+                                      const FlowOptions& flow, bool all_threads);
 
 }  // namespace graze

@@ -58,7 +58,8 @@ std::optional<StableOrbit> fast_search(const Vector& p, const Vector& start, boo
   const auto task = [&](TaskSlot& lane) -> MotionTask<> {
     lane.set_parameters(p);
     CHECK(lane.in_lanes() == in_lanes);
-    look = co_await look_for_orbit(lane, damped_hertz(), p, start, max_period, nearness, {}, refused);
+    const OrbitSearch search{.max_period = max_period, .nearness = nearness, .refused = refused};
+    look = co_await look_for_orbit(lane, damped_hertz(), p, start, search);
   };
   LaneCarrier many(damped_hertz(), {});
   if (in_lanes)
@@ -77,7 +78,8 @@ std::vector<StableOrbit> orbits_by_each_method(const Vector& p, const Vector& st
   REQUIRE(exhaustive);
   CHECK(alone->whole);
   CHECK_FALSE(in_lanes->whole);
-  return {*alone, *in_lanes, StableOrbit(*exhaustive)};
+  CHECK(exhaustive->whole);
+  return {*alone, *in_lanes, *exhaustive};
 }
 
 /// The closest return, and the states before it.
@@ -208,7 +210,8 @@ TEST_CASE("an orbit refused once is tested again when the motion is much closer"
     OrbitSearchResult out;
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.set_parameters(p);
-      out = co_await look_for_orbit(lane, damped_hertz(), p, start, max_period, nearness, {}, known);
+      const OrbitSearch search{.max_period = max_period, .nearness = nearness, .refused = known};
+      out = co_await look_for_orbit(lane, damped_hertz(), p, start, search);
     });
     carried = many.carried();
     return out.orbit;
@@ -235,8 +238,8 @@ TEST_CASE("a look for an orbit records the orbits that the motion passes by") {
   for (const bool again : {false, true}) {
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.set_parameters(with_both());
-      const OrbitSearchResult look =
-          co_await look_for_orbit(lane, system_with_both(), with_both(), chaotic, 12, 0.1, {}, &refused);
+      const OrbitSearch search{.max_period = 12, .nearness = 0.1, .refused = &refused};
+      const OrbitSearchResult look = co_await look_for_orbit(lane, system_with_both(), with_both(), chaotic, search);
       CHECK_FALSE(look.orbit);
     });
     INFO((again ? "again" : "at first"));
