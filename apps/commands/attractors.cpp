@@ -36,7 +36,7 @@ namespace {
 
 constexpr int most_starts = 1000000;  // a result is held in memory before it is written
 
-struct Options {
+struct AttractorsArguments {
   StartOptions start;  // problem, settings, and the states that are not varied
   std::string x, v, plane, resume;
   std::optional<int> random, seed;
@@ -59,7 +59,7 @@ struct Plane {
   Vector others;
 };
 
-Plane plane_of(const Options& options, const Problem& problem) {
+Plane plane_of(const AttractorsArguments& options, const Problem& problem) {
   Plane plane;
   plane.others = options.start.start ? state_of(problem, *options.start.start)
                                      : problem.start.value_or(rest_state(problem, problem.parameters));
@@ -100,7 +100,7 @@ Matrix grid_of(const Plane& plane, const std::array<Axis, 2>& axes, int threads)
 }
 
 /// Widens the box so that it contains the attractors reached from some starts in it.
-void widen(std::array<Axis, 2>& axes, const Plane& plane, const Options& options, const Problem& problem,
+void widen(std::array<Axis, 2>& axes, const Plane& plane, const AttractorsArguments& options, const Problem& problem,
            const Console& console) {
   std::array<Axis, 2> few = axes;
   for (Axis& axis : few) axis.count = probes;
@@ -151,7 +151,8 @@ std::array<Axis, 2> axes_of_motion(const Plane& plane, const Problem& problem) {
   return axes;
 }
 
-std::array<Axis, 2> default_axes(const Plane& plane, const Options& options, const Problem& problem, const Console& console) {
+std::array<Axis, 2> default_axes(const Plane& plane, const AttractorsArguments& options, const Problem& problem,
+                                 const Console& console) {
   std::array<Axis, 2> axes = is_built_in(problem) ? built_in_axes(problem) : axes_of_motion(plane, problem);
   widen(axes, plane, options, problem, console);
   if (!options.random)  // the centres of the cells
@@ -169,7 +170,7 @@ Axis axis_from(const Json& earlier, const std::string& name, const Axis& otherwi
   return {range.at(0), range.at(1), range.size() > 2 ? range[2].get<int>() : otherwise.count};
 }
 
-std::array<Axis, 2> axes_of(const Plane& plane, const Options& options, const Problem& problem, const Json& earlier,
+std::array<Axis, 2> axes_of(const Plane& plane, const AttractorsArguments& options, const Problem& problem, const Json& earlier,
                             const Console& console) {
   const bool counted = !options.random, is_default = options.x.empty() || options.v.empty();
   std::array<Axis, 2> axes;
@@ -190,7 +191,7 @@ std::array<Axis, 2> axes_of(const Plane& plane, const Options& options, const Pr
 
 /// The starts in the order of the picture: row by row, x fastest. Random starts are drawn from the bits of the generator, which
 /// are the same on every platform.
-Matrix starts_of(const Plane& plane, const Options& options, const std::array<Axis, 2>& axes, int threads) {
+Matrix starts_of(const Plane& plane, const AttractorsArguments& options, const std::array<Axis, 2>& axes, int threads) {
   if (!options.random) return grid_of(plane, axes, threads);
   Matrix starts(plane.others.size(), *options.random);
   std::mt19937_64 generator(static_cast<unsigned>(options.seed.value_or(1)));
@@ -239,7 +240,7 @@ StartOutcome outcome_of(const Json& code) {
   return {id == 0 ? Fate::lost : Fate::not_run, 0};
 }
 
-Json basins_json(const Problem& problem, const Plane& plane, const Options& options, const std::array<Axis, 2>& axes,
+Json basins_json(const Problem& problem, const Plane& plane, const AttractorsArguments& options, const std::array<Axis, 2>& axes,
                  const Matrix& starts, const std::vector<StartOutcome>& outcomes) {
   Json json;
   if (!is_built_in(problem)) json["plane"] = plane.name;
@@ -381,8 +382,8 @@ std::size_t starts_done(const Basins& basins) {
                                                 [](const StartOutcome& outcome) { return outcome.fate != Fate::not_run; }));
 }
 
-BasinOptions basin_options(const Options& options, const Console& console, Progress& progress, CheckpointTimer& checkpoints,
-                           std::size_t starts) {
+BasinOptions basin_options(const AttractorsArguments& options, const Console& console, Progress& progress,
+                           CheckpointTimer& checkpoints, std::size_t starts) {
   BasinOptions out;
   out.transient = options.transient;
   out.max_period = options.max_period;
@@ -399,7 +400,7 @@ BasinOptions basin_options(const Options& options, const Console& console, Progr
   return out;
 }
 
-Json described(const Problem& problem, const Plane& plane, const Options& options, const std::array<Axis, 2>& axes) {
+Json described(const Problem& problem, const Plane& plane, const AttractorsArguments& options, const std::array<Axis, 2>& axes) {
   Json json = {{"problem", options.start.file}, {"set", options.start.settings}};
   if (!is_built_in(problem)) json.update({{"plane", plane.name}, {"start", to_json(plane.others)}});
   static const std::set<std::string> taken = {"problem",   "set",     "plane",      "start", "random", "seed",
@@ -416,8 +417,8 @@ Json described(const Problem& problem, const Plane& plane, const Options& option
   return json;
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const AttractorsArguments& given, const Console& console) {
+  AttractorsArguments options = given;
   if (options.seed && !options.random) throw std::invalid_argument("--seed is that of random starts; give --random N too");
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const OutputFolder folder(options.output, "attractors", options.start.file, options.resume);
@@ -476,7 +477,7 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "attractors", exit_code(status), console);
 }
 
-Json schema() {
+Json attractors_result_schema() {
   const Json count = JsonForm<int>::schema(), number = JsonForm<double>::schema();
   const Json found = with_quantities(
       merged_schemas({object_schema({{"id", "number of the attractor, from 1", count}}), schema_of(found_columns())}));
@@ -496,8 +497,8 @@ Json schema() {
                                        {"basins", "which start leads where", basins, false}})});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_attractors(CLI::App& app) {
+  auto options = std::make_shared<AttractorsArguments>();
   add_problem_options(app, options->start);
   begin_group(app, "Starts");
   add_state(app, "--start", options->start.start, "the states that are not varied (default: the file's, else 0)");
@@ -535,8 +536,8 @@ Command attractors_command() {
           {"graze attractors data/problems/newton-elastic.toml --set eta=0.744 --plot basins.png",
            "graze attractors data/problems/hertz-damped.toml --set eta=0.711 --x=-2:1.9:200 --v=-2:2:200 --out run",
            "graze attractors data/problems/hertz-damped.toml --set eta=0.696 --random 2000 --json -"},
-          setup,
-          {{"attractors", schema}}};
+          set_up_attractors,
+          {{"attractors", attractors_result_schema}}};
 }
 
 }  // namespace graze::apps

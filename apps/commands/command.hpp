@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Command: one task of the program. A file in this folder holds an options struct, `run(options, console)` and a function that
-// describes the command; commands.cpp lists it. Help is printed from the list.
+// Command: one task of the program. A file in this folder holds a struct of its arguments, `run(arguments, console)` and a
+// function that describes the command; commands.cpp lists it. Help is printed from the list.
 #pragma once
 
 #include <graze/apps/console/console.hpp>

@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::size_t rows_shown = 40;  // of a branch's table, without --all
 
-struct Options {
+struct ContinueArguments {
   OrbitOptions orbit;
   std::string parameter;
   std::optional<double> from, to, max_step;
@@ -48,7 +48,7 @@ bool ended_well(const Branch& branch) {
          branch.stop == BranchStop::equilibrium;
 }
 
-ContinuationOptions continuation_options(const Options& options, double start, Progress& progress) {
+ContinuationOptions continuation_options(const ContinueArguments& options, double start, Progress& progress) {
   ContinuationOptions out;
   out.parameter = options.parameter;
   out.to = *options.to;
@@ -70,7 +70,7 @@ ContinuationOptions continuation_options(const Options& options, double start, P
   return out;
 }
 
-Json all_options(const Problem& problem, const Options& options) {
+Json all_options(const Problem& problem, const ContinueArguments& options) {
   Json json = options_json(problem, options.orbit);
   json["param"] = options.parameter;
   json["from"] = parameter(problem, options.parameter);
@@ -85,8 +85,8 @@ Json all_options(const Problem& problem, const Options& options) {
   return json;
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const ContinueArguments& given, const Console& console) {
+  ContinueArguments options = given;
   const OutputFolder folder(options.output, "continue", options.orbit.start.file);
   if (options.max_step && !(*options.max_step > 0.0))
     throw std::invalid_argument(fmt::format("--max-step {}: must be > 0, for example 0.01", *options.max_step));
@@ -153,14 +153,14 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "continue", exit_code(status), console);
 }
 
-Json schema() {
+Json continue_result_schema() {
   return result_schema("branch/1", "a branch of periodic orbits, and the branches born on it; or the skeleton of a diagram",
                        {object_schema({{"parameter", "that changes along the branches", JsonForm<std::string>::schema()}}),
                         schema_of(origin_columns()), skeleton_schema()});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_continue(CLI::App& app) {
+  auto options = std::make_shared<ContinueArguments>();
   add_orbit_options(app, options->orbit);
   begin_group(app, "Branch");
   add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
@@ -192,8 +192,8 @@ Command continue_command() {
           "With --switch 2 and more, the intervals of a cascade of doublings are compared with Feigenbaum's constant.",
           {"graze continue data/problems/hertz-damped.toml --param eta --from 0.95 --to 0.90 --plot branch.png",
            "graze continue data/problems/hertz-damped.toml --from 0.95 --to 0.70 --switch 2 --json branch.json"},
-          setup,
-          {{"branch", schema}}};
+          set_up_continue,
+          {{"branch", continue_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -37,7 +37,7 @@ namespace {
 
 constexpr int usual_steps = 300;  // of a sweep through the range
 
-struct Options {
+struct DiagramArguments {
   StartOptions start;
   std::string parameter;
   std::optional<double> from, to;
@@ -67,7 +67,8 @@ std::vector<PeriodicOrbit> impactless(const Problem& problem, const std::string&
   return list;
 }
 
-SkeletonOptions skeleton_options(const Options& options, const Problem& problem, const Console& console, Progress& progress) {
+SkeletonOptions skeleton_options(const DiagramArguments& options, const Problem& problem, const Console& console,
+                                 Progress& progress) {
   SkeletonOptions out;
   ContinuationOptions& following = out.continuation;
   following.parameter = options.parameter;
@@ -94,7 +95,7 @@ SkeletonOptions skeleton_options(const Options& options, const Problem& problem,
 }
 
 /// The options that affect the skeleton; the next function returns those of the sweeps.
-Json skeleton_json(const Options& options) {
+Json skeleton_json(const DiagramArguments& options) {
   Json json = {{"max_period", options.max_period}, {"max_branches", options.max_branches}, {"seed", options.seed}};
   json["multiples"] = options.multiples.value_or(options.max_period);
   json["all"] = options.all;
@@ -102,7 +103,7 @@ Json skeleton_json(const Options& options) {
   return json;
 }
 
-Json sweeps_json(const Options& options, const Problem& problem) {
+Json sweeps_json(const DiagramArguments& options, const Problem& problem) {
   Json json = options_json(problem, options.start);
   json.update(sweeping_json(options.sweeping));
   return json;
@@ -130,7 +131,7 @@ struct Earlier {
 using KeepPart = std::function<void(const Json& part, const std::string& message)>;
 
 /// @throws std::invalid_argument if the earlier run has another model or range, or cannot be resumed.
-void check_earlier(Earlier& earlier, const Options& options, const Problem& problem) {
+void check_earlier(Earlier& earlier, const DiagramArguments& options, const Problem& problem) {
   const auto refuse = [&](const std::string& why) { throw_not_resumable(options.resume, "diagram", why); };
   const Json& result = earlier.result;
   problem_of(result);  // throws if it is invalid
@@ -170,7 +171,7 @@ void check_earlier(Earlier& earlier, const Options& options, const Problem& prob
 }
 
 /// Adds the entries of the sweeps before they are run.
-void put_parts(Json& json, const Options& options, const Earlier& earlier, Status skeleton) {
+void put_parts(Json& json, const DiagramArguments& options, const Earlier& earlier, Status skeleton) {
   if (options.skeleton) return;
   json["parts"] = {{"skeleton", status_name(skeleton)}, {"sweeps", "not run"}};
   json["rows"] = rows_json(earlier.rows);
@@ -179,7 +180,7 @@ void put_parts(Json& json, const Options& options, const Earlier& earlier, Statu
 /// Adds the skeleton to the result. A complete skeleton of the earlier run is reused; otherwise it is computed from the earlier
 /// run's seeds. The branches are followed again, because their numbers, and decisions that involve two branches, depend on
 /// their order.
-Status add_skeleton(Result& result, Earlier& earlier, const Options& options, const Problem& problem,
+Status add_skeleton(Result& result, Earlier& earlier, const DiagramArguments& options, const Problem& problem,
                     const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
   Status status = Status::done;
   if (earlier.skeleton_done) {
@@ -228,7 +229,7 @@ std::string where_interrupted(const Json& skeleton, std::size_t branches) {
 }
 
 /// Whether simulation and continuation agree.
-std::string off_branches_text(const SweepComparison& off, const std::vector<SweepRow>& rows, const Options& options) {
+std::string off_branches_text(const SweepComparison& off, const std::vector<SweepRow>& rows, const DiagramArguments& options) {
   std::string text =
       off.rows.empty() ? fmt::format("\nall {} periodic values up to period {} lie on branches", off.compared, options.max_period)
                        : fmt::format("\n{} of {} periodic values up to period {} lie on no branch", off.rows.size(), off.compared,
@@ -241,7 +242,7 @@ std::string off_branches_text(const SweepComparison& off, const std::vector<Swee
 }
 
 /// Runs the sweeps up and down over the range, and adds them to the result.
-SweepOutcome add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const Options& options,
+SweepOutcome add_sweeps(Result& result, const Earlier& earlier, const SweepRange& range, const DiagramArguments& options,
                         const Problem& problem, const Quantities& quantities, const Console& console, const KeepPart& keep_part) {
   const auto keep_rows = [&](const SweepOutcome& part) {
     Json json = result.json;
@@ -268,14 +269,14 @@ SweepOutcome add_sweeps(Result& result, const Earlier& earlier, const SweepRange
 }
 
 /// Checks that this result has the requested kind of picture. @throws std::invalid_argument.
-void check_plot_kind(const Options& options) {
+void check_plot_kind(const DiagramArguments& options) {
   const std::vector<std::string> kinds = picture_names(options.skeleton ? "graze.branch/1" : "graze.diagram/1");
   if (!options.output.plot_kind.empty() && std::find(kinds.begin(), kinds.end(), options.output.plot_kind) == kinds.end())
     throw std::invalid_argument(fmt::format("--plot-kind {}: {} --skeleton it is one of {}", options.output.plot_kind,
                                             options.skeleton ? "with" : "without", fmt::join(kinds, ", ")));
 }
 
-SweepRange range_of(const Options& options) {
+SweepRange range_of(const DiagramArguments& options) {
   return {options.parameter,
           std::min(*options.from, *options.to),
           std::max(*options.from, *options.to),
@@ -283,7 +284,7 @@ SweepRange range_of(const Options& options) {
 }
 
 /// Reports every mistake before anything is computed.
-void check_options(Options& options, const Problem& problem) {
+void check_options(DiagramArguments& options, const Problem& problem) {
   if (options.max_step && !(*options.max_step > 0.0)) throw std::invalid_argument("--max-step must be > 0");
   check_sweeping(options.sweeping);
   Problem at_end = problem;
@@ -301,8 +302,8 @@ void check_options(Options& options, const Problem& problem) {
   sweep_values(range.from, range.to, *options.sweeping.step);
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const DiagramArguments& given, const Console& console) {
+  DiagramArguments options = given;
   Earlier earlier;
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   check_plot_kind(options);
@@ -349,7 +350,7 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "diagram", exit_code(status), console);
 }
 
-Json schema() {
+Json diagram_result_schema() {
   const Json text = JsonForm<std::string>::schema(), count = JsonForm<int>::schema();
   const Json off = object_schema({{"compared", "periodic rows with periods up to --max-period", count},
                                   {"longer", "rows with longer ones", count},
@@ -364,8 +365,8 @@ Json schema() {
                       {"off_branches", "sweeps against branches", off, false}})});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_diagram(CLI::App& app) {
+  auto options = std::make_shared<DiagramArguments>();
   add_start_options(app, options->start);
   begin_group(app, "Diagram");
   add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
@@ -418,8 +419,8 @@ Command diagram_command() {
       "the JSON, as in that of graze sweep.",
       {"graze diagram data/problems/hertz-damped.toml --from 0.65 --to 0.95 --plot diagram.png",
        "graze diagram data/problems/newton-elastic.toml --skeleton --param eta --from 0.65 --to 0.95 --plot skeleton.png"},
-      setup,
-      {{"diagram", schema}}};
+      set_up_diagram,
+      {{"diagram", diagram_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -26,7 +26,7 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct LocateArguments {
   OrbitOptions orbit;
   std::string type, parameter;
   std::optional<double> near, reach, from;
@@ -43,7 +43,7 @@ const std::vector<std::string>& locatable() {
 /// Largest distance of a point from --near: a twentieth of the value, 0.005 of zero.
 double default_reach(double near) { return near == 0.0 ? 0.005 : 0.05 * std::abs(near); }
 
-Json all_options(const Problem& problem, const Options& options, double reach) {
+Json all_options(const Problem& problem, const LocateArguments& options, double reach) {
   Json json = options_json(problem, options.orbit);
   json["type"] = options.type;
   json["param"] = options.parameter;
@@ -59,7 +59,7 @@ constexpr std::array shares_of_reach = {1.0 / 64.0, 1.0 / 16.0, 0.25, 0.5, 0.75,
 constexpr double meant_share = 0.1;
 
 /// The problem at the values where orbits are sought, nearest first; only at --from if that is given.
-std::vector<Problem> places(const Problem& problem, const Options& options, double reach) {
+std::vector<Problem> places(const Problem& problem, const LocateArguments& options, double reach) {
   std::vector<Problem> list = {problem};
   if (options.from) return list;
   for (const double share : shares_of_reach)
@@ -98,7 +98,7 @@ struct Located {
 /// Follows each orbit that lies on no known branch, until the intended point is found.
 class PointSearch {
  public:
-  PointSearch(const Problem& problem, const Options& options, double reach, const Console& console)
+  PointSearch(const Problem& problem, const LocateArguments& options, double reach, const Console& console)
       : problem_(problem), options_(options), reach_(reach), progress_(console.err, console.quiet, "locating") {
     continuation_.parameter = options.parameter;
     continuation_.cancelled = interrupted;
@@ -135,14 +135,14 @@ class PointSearch {
   }
 
   const Problem& problem_;
-  const Options& options_;
+  const LocateArguments& options_;
   double reach_;
   Progress progress_;
   ContinuationOptions continuation_;
 };
 
 /// Seeks orbits at every place, by settling and by searching.
-Located locate_near(const Problem& problem, const Options& options, double reach, const Console& console) {
+Located locate_near(const Problem& problem, const LocateArguments& options, double reach, const Console& console) {
   Located out;
   PointSearch hunt(problem, options, reach, console);
   const Console silent{console.out, console.err, true, console.threads};
@@ -173,7 +173,7 @@ Located locate_near(const Problem& problem, const Options& options, double reach
 }
 
 /// How the point differs from the requested one; empty: not at all.
-std::string remark(const Located& located, const Options& options, double reach) {
+std::string remark(const Located& located, const LocateArguments& options, double reach) {
   const SpecialPoint& point = *located.nearest.point;
   std::vector<std::string> parts;
   const double distance = std::abs(point.value - *options.near);
@@ -190,8 +190,8 @@ std::string remark(const Located& located, const Options& options, double reach)
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const LocateArguments& given, const Console& console) {
+  LocateArguments options = given;
   const OutputFolder folder(options.output, "locate", options.orbit.start.file);
   Problem problem = open_problem(options.orbit.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
@@ -241,14 +241,14 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "locate", exit_code(status), console);
 }
 
-Json schema() {
+Json locate_result_schema() {
   return result_schema(
       "point/1", "a special point of a branch",
       {schema_of(origin_columns()), object_schema({{"special_point", "null: there is none", or_null(special_point_schema())}})});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_locate(CLI::App& app) {
+  auto options = std::make_shared<LocateArguments>();
   add_orbit_options(app, options->orbit);
   begin_group(app, "Point");
   add_choice(app, "--type", options->type, locatable(), "what is located", Need::required);
@@ -275,8 +275,8 @@ Command locate_command() {
           "there is none.",
           {"graze locate data/problems/hertz-damped.toml --type PD --param eta --near 0.92",
            "graze locate data/problems/hertz-damped.toml --type PD --near 0.7433 --period 2"},
-          setup,
-          {{"point", schema}}};
+          set_up_locate,
+          {{"point", locate_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -27,7 +27,7 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct LyapunovArguments {
   StartOptions start;
   int periods = 200000, interval = 1, max_period = 64;
   std::optional<double> standard_error, change;
@@ -36,7 +36,7 @@ struct Options {
   OutputOptions output;
 };
 
-AttractorOptions attractor_options(const Options& options, const Problem& problem, Progress& progress) {
+AttractorOptions attractor_options(const LyapunovArguments& options, const Problem& problem, Progress& progress) {
   AttractorOptions out;
   out.transient = settle_of(problem, options.start);
   out.max_period = options.max_period;
@@ -74,7 +74,7 @@ const Columns<Attractor>& result_columns() {
   return list;
 }
 
-int run(const Options& options, const Console& console) {
+int run(const LyapunovArguments& options, const Console& console) {
   const OutputFolder folder(options.output, "lyapunov", options.start.file);
   for (const auto& [name, value] : {std::pair{"--standard-error", options.standard_error}, {"--change", options.change}})
     if (value && !(*value >= 0.0)) throw std::invalid_argument(fmt::format("{} is {}; allowed is >= 0", name, exact(*value)));
@@ -145,12 +145,12 @@ int run(const Options& options, const Console& console) {
   return deliver(result, options.output, "lyapunov", exit_code(status), console);
 }
 
-Json schema() {
+Json lyapunov_result_schema() {
   return result_schema("lyapunov/1", "the exponents on an attractor", {with_quantities(schema_of(result_columns()))});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_lyapunov(CLI::App& app) {
+  auto options = std::make_shared<LyapunovArguments>();
   add_start_options(app, options->start);
   begin_group(app, "Average");
   add_count(app, "--periods", options->periods, 1,
@@ -178,8 +178,8 @@ Command lyapunov_command() {
       "then, and \"message\" says why). The sum is checked by Liouville's identity.",
       {"graze lyapunov data/problems/hertz-damped.toml --set eta=0.72",
        "graze lyapunov data/problems/newton-elastic.toml --set eta=0.711 --standard-error 1e-4 --json -"},
-      setup,
-      {{"lyapunov", schema}}};
+      set_up_lyapunov,
+      {{"lyapunov", lyapunov_result_schema}}};
 }
 
 }  // namespace graze::apps

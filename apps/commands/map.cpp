@@ -29,7 +29,7 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct MapArguments {
   StartOptions start;  // problem, settings, settle
   std::vector<std::string> parameters, starts, layers, quantities;
   std::string follow = "none", resume, h5;
@@ -59,7 +59,7 @@ int rows_of_a_chunk(const ParameterGrid& grid) {
   return std::clamp(std::min(4096 / columns, rows / 8), 1, 16);
 }
 
-MapPlan plan_from(const Options& options, const Console& console) {
+MapPlan plan_from(const MapArguments& options, const Console& console) {
   MapPlan plan;
   if (options.parameters.size() != 2)
     throw std::invalid_argument(
@@ -121,7 +121,7 @@ void check_map_file(const std::string& option, const std::string& file) {
   check_writable(file);
 }
 
-void check_all_outputs(const Options& options, const MapPlan& plan) {
+void check_all_outputs(const MapArguments& options, const MapPlan& plan) {
   if (!options.output.out.empty()) make_folder(options.output.out);
   OutputOptions output = options.output;
   if (!output.out.empty()) output.plot_kind.clear();
@@ -142,7 +142,7 @@ void check_all_outputs(const Options& options, const MapPlan& plan) {
 }
 
 /// The HDF5 files of the map: --h5, and the one in the folder.
-std::vector<std::string> map_files(const Options& options) {
+std::vector<std::string> map_files(const MapArguments& options) {
   std::vector<std::string> files;
   if (!options.output.out.empty()) files.push_back(options.output.out + "/map.h5");
   std::error_code error;
@@ -152,8 +152,8 @@ std::vector<std::string> map_files(const Options& options) {
 }
 
 /// Writes pictures, JSON, table and text. `counts`: if already known. Returns the exit code.
-int present(const Options& options, const MapPlan& plan, const Json& head, const MapRows& rows, std::vector<MapCounts> counts,
-            const MapRun& run, const Console& console) {
+int present(const MapArguments& options, const MapPlan& plan, const Json& head, const MapRows& rows,
+            std::vector<MapCounts> counts, const MapRun& run, const Console& console) {
   int code = run.unwritable ? 2 : exit_code(run.status);
   const auto complain = [&](const std::string& sentence) {
     console.err << "graze map: " << sentence << "\n";
@@ -191,7 +191,7 @@ int present(const Options& options, const MapPlan& plan, const Json& head, const
 }
 
 /// The finished map of this run, if it already exists.
-std::optional<MapFile> finished_map(const Options& options, const Json& head) {
+std::optional<MapFile> finished_map(const MapArguments& options, const Json& head) {
   const std::string file = options.resume + "/map.h5";
   if (options.resume.empty() || !std::filesystem::exists(file) || std::filesystem::exists(options.resume + "/chunks/run.json"))
     return std::nullopt;
@@ -202,12 +202,12 @@ std::optional<MapFile> finished_map(const Options& options, const Json& head) {
 }
 
 /// Whether an output takes an unfinished map: HDF5 files hold only finished ones.
-bool wants_part(const Options& options) {
+bool wants_part(const MapArguments& options) {
   return !options.output.json.empty() || !options.output.csv.empty() || !options.output.plot.empty();
 }
 
 /// Tells the user the fate of an unfinished map without a folder.
-std::string without_folder(const Options& options) {
+std::string without_folder(const MapArguments& options) {
   std::string text = "they are lost without --out DIR";
   if (wants_part(options)) {
     std::vector<std::string> outputs;
@@ -219,13 +219,13 @@ std::string without_folder(const Options& options) {
   return options.h5.empty() ? text : text + "; --h5 is for whole maps and is not written";
 }
 
-MapBeginning beginning_of(const Options& options) {
+MapBeginning beginning_of(const MapArguments& options) {
   if (!options.resume.empty()) return MapBeginning::resuming;
   return options.overwrite ? MapBeginning::overwriting : MapBeginning::anew;
 }
 
-int lead(const Options& given, Ranks& ranks, const Console& console) {
-  Options options = given;
+int lead(const MapArguments& given, Ranks& ranks, const Console& console) {
+  MapArguments options = given;
   if (!options.resume.empty() && !options.output.out.empty() && options.output.out != options.resume)
     throw std::invalid_argument("--resume DIR goes on in its own folder; leave --out away");
   if (options.overwrite && (!options.resume.empty() || options.output.out.empty()))
@@ -281,7 +281,7 @@ int lead(const Options& given, Ranks& ranks, const Console& console) {
   return present(options, plan, head, row_of_map, std::move(counts), run, console);
 }
 
-int run(const Options& options, const Console& console) {
+int run(const MapArguments& options, const Console& console) {
   Ranks ranks;
   const int helper_threads = console.threads > 0 ? console.threads : 1;
   if (ranks.rank() > 0) return run_map_helper(ranks, helper_threads);
@@ -293,10 +293,12 @@ int run(const Options& options, const Console& console) {
   }
 }
 
-Json schema() { return result_schema("map/1", "the attractor at each point of a grid over two parameters", {map_schema()}); }
+Json map_result_schema() {
+  return result_schema("map/1", "the attractor at each point of a grid over two parameters", {map_schema()});
+}
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_map(CLI::App& app) {
+  auto options = std::make_shared<MapArguments>();
   add_problem_options(app, options->start);
   begin_group(app, "Map");
   add_texts(app, "--param", options->parameters, "NAME:A:B:N",
@@ -348,8 +350,8 @@ Command map_command() {
       {"graze map data/problems/hertz-damped.toml --param eta:0.65:0.95:200 --param r:1:3:150 --out run",
        "graze map data/problems/newton-elastic.toml --param eta:0.65:0.95:90 --param r:1:3:60 --follow both --plot map.png",
        "mpirun -n 4 graze map data/problems/hertz-damped.toml --param eta:0.65:0.95:800 --param r:1:3:800 --out run"},
-      setup,
-      {{"map", schema}}};
+      set_up_map,
+      {{"map", map_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -111,7 +111,7 @@ Result describe_models() {
   return result;
 }
 
-Json schema() {
+Json models_result_schema() {
   const Json text = JsonForm<std::string>::schema(), number = JsonForm<double>::schema();
   const Json parameters = list_schema(schema_of(parameter_columns(true))),
              quantities = list_schema(schema_of(parameter_columns(false)));
@@ -131,7 +131,7 @@ Json schema() {
                                              {"models", "that come as files", list_schema(model), false}})});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
+std::function<int(const Console&)> set_up_models(CLI::App& app) {
   auto options = std::make_shared<OutputOptions>();
   auto name = std::make_shared<std::string>();
   add_text(app, "NAME", *name, "NAME", "print the file of this model");
@@ -155,8 +155,8 @@ Command models_command() {
           "built-in oscillators and contact laws, their parameters, ranges, defaults",
           "Everything that a problem file may name, and the models that come as files with their own equations.",
           {"graze models", "graze models duffing-two-stops > mine.toml", "graze models --json -"},
-          setup,
-          {{"models", schema}}};
+          set_up_models,
+          {{"models", models_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -16,13 +16,13 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct OrbitArguments {
   OrbitOptions orbit;
   std::vector<std::string> quantities;
   OutputOptions output;
 };
 
-int run(const Options& options, const Console& console) {
+int run(const OrbitArguments& options, const Console& console) {
   const OutputFolder folder(options.output, "orbit", options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console);
   const Quantities quantities = read_quantities(problem, options.quantities);
@@ -60,7 +60,7 @@ int run(const Options& options, const Console& console) {
   return deliver(result, options.output, "orbit", exit_code(found.status), console);
 }
 
-Json schema() {
+Json orbit_result_schema() {
   const Json orbit = with_quantities(schema_of(orbit_columns()));
   return result_schema("orbit/1", "a periodic orbit",
                        {object_schema({{"orbit", "null: there is none of the period that was asked for", or_null(orbit)},
@@ -68,8 +68,8 @@ Json schema() {
                         schema_of(origin_columns())});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_orbit(CLI::App& app) {
+  auto options = std::make_shared<OrbitArguments>();
   add_orbit_options(app, options->orbit);
   add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "orbit/1");
@@ -88,8 +88,8 @@ Command orbit_command() {
           "Exit 1 and what was found instead, if there is none.",
           {"graze orbit data/problems/hertz-damped.toml --set eta=0.925",
            "graze orbit data/problems/hertz-damped.toml --set eta=0.85 --period 2 --search --json -"},
-          setup,
-          {{"orbit", schema}}};
+          set_up_orbit,
+          {{"orbit", orbit_result_schema}}};
 }
 
 }  // namespace graze::apps

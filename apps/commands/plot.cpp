@@ -21,12 +21,12 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct PlotArguments {
   std::string result, output;
   ResultView view;
 };
 
-Picture picture_of_map_file(const Options& options) {
+Picture picture_of_map_file(const PlotArguments& options) {
   if (!options.view.x.empty()) throw std::invalid_argument("--x is for CSV tables");
   if (!options.view.plane.empty()) throw std::invalid_argument("--plane is for motions and orbits; a map has none");
   MapFile file(options.result);
@@ -34,13 +34,13 @@ Picture picture_of_map_file(const Options& options) {
       file.plan(), [&file](int row) { return file.row(row); }, map_view(options.view));
 }
 
-Picture picture_of_file(const Options& options) {
+Picture picture_of_file(const PlotArguments& options) {
   const std::string format = ending(options.result);
   if (format == "h5" || format == "hdf5") return picture_of_map_file(options);
   return picture_of_text(read_whole(options.result), options.result, options.view);
 }
 
-int run(const Options& options, const Console& console) {
+int run(const PlotArguments& options, const Console& console) {
   check_distinct({{"--output", options.output}}, options.result);
   check_writable(options.output);
   check_picture_file(options.output);
@@ -61,8 +61,8 @@ std::string kinds_text() {
   return text;
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_plot(CLI::App& app) {
+  auto options = std::make_shared<PlotArguments>();
   begin_group(app, "Picture");
   add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json), a table (.csv) or a map (.h5)", Need::required);
   add_text(app, "-o,--output", options->output, "FILE", "the picture (.png, .svg, .pdf)", Need::required);
@@ -89,7 +89,7 @@ Command plot_command() {
            "graze plot orbit.json --plane x2,v2 -o second_mass.png", "graze plot branch.json --y \"max(x)\" -o resonance.png",
            "graze plot trajectory.csv --x x --y v -o phase.pdf", "graze plot run/map.h5 -o map.png",
            "graze plot run/map.h5 --plot-kind exponent --layer 4 --layer 5 -o exponent.png"},
-          setup};
+          set_up_plot};
 }
 
 }  // namespace graze::apps

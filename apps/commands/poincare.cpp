@@ -27,7 +27,7 @@ namespace {
 constexpr int noted_periods = 50;     // periods whose events are examined for notes
 constexpr int most_points = 5000000;  // a result is held in memory before it is written
 
-struct Options {
+struct PoincareArguments {
   StartOptions start;
   std::string section;
   int points = 1000;
@@ -36,7 +36,7 @@ struct Options {
 };
 
 /// Sets the requested section. In an autonomous system, an event given by name becomes the return.
-void take_section(const Options& options, Problem& problem, SectionOptions& collecting) {
+void take_section(const PoincareArguments& options, Problem& problem, SectionOptions& collecting) {
   const bool forced = is_forced(problem.system);
   if (options.section == "impact") {
     collecting.kind = SectionKind::impact;
@@ -66,7 +66,7 @@ void take_section(const Options& options, Problem& problem, SectionOptions& coll
     throw std::invalid_argument(fmt::format("--section {}: must be one of {}", options.section, fmt::join(names, ", ")));
 }
 
-PoincareSection collect(const Problem& problem, const Vector& start, SectionOptions collecting, const Options& options,
+PoincareSection collect(const Problem& problem, const Vector& start, SectionOptions collecting, const PoincareArguments& options,
                         const Console& console) {
   Progress progress(console.err, console.quiet, "collecting");
   collecting.points = options.points;
@@ -93,7 +93,7 @@ void append_values(const Quantities& expressions, const Problem& problem, Poinca
   }
 }
 
-int run(const Options& options, const Console& console) {
+int run(const PoincareArguments& options, const Console& console) {
   const OutputFolder folder(options.output, "poincare", options.start.file);
   Problem problem = open_problem(options.start, console);
   SectionOptions collecting;
@@ -142,10 +142,12 @@ int run(const Options& options, const Console& console) {
   return deliver(result, options.output, "poincare", exit_code(status), console);
 }
 
-Json schema() { return result_schema("poincare/1", "points of a section", {schema_of(listed_section_columns())}); }
+Json poincare_result_schema() {
+  return result_schema("poincare/1", "points of a section", {schema_of(listed_section_columns())});
+}
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_poincare(CLI::App& app) {
+  auto options = std::make_shared<PoincareArguments>();
   add_start_options(app, options->start);
   begin_group(app, "Section");
   add_text(app, "--section", options->section, "NAME",
@@ -168,8 +170,8 @@ Command poincare_command() {
           "into contact) the forcing phase and the speed of approach, or the states behind each event of one name.",
           {"graze poincare data/problems/newton-elastic.toml --set eta=0.711 --points 5000 --plot section.png",
            "graze poincare data/problems/beam-newton.toml --section impact --csv -"},
-          setup,
-          {{"poincare", schema}}};
+          set_up_poincare,
+          {{"poincare", poincare_result_schema}}};
 }
 
 }  // namespace graze::apps

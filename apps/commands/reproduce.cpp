@@ -26,14 +26,14 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct ReproduceArguments {
   std::string file, resume;
   bool no_claims = false;
   OutputOptions output;
 };
 
 /// The given file, or the one shipped with the program: installed beside it, or in the source tree.
-std::string published_file(const Options& options) {
+std::string published_file(const ReproduceArguments& options) {
   if (!options.file.empty()) return options.file;
   const std::filesystem::path found = shipped("published.toml");
   if (!found.empty()) return found.string();
@@ -53,7 +53,7 @@ Json diagrams_json(const std::vector<SweptDiagram>& diagrams) {
 }
 
 /// The results of an earlier run that apply to this one: diagrams of the same range, rows, claims.
-Reproduction earlier_run(const Json& json, const Options& options, const Published& published) {
+Reproduction earlier_run(const Json& json, const ReproduceArguments& options, const Published& published) {
   Reproduction earlier;
   if (json.is_null()) return earlier;
   try {
@@ -116,8 +116,8 @@ std::vector<std::string> write_pictures(const Published& published, const Reprod
   return failures;
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const ReproduceArguments& given, const Console& console) {
+  ReproduceArguments options = given;
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const std::string file = published_file(options);
   const Published published = load_published(file);
@@ -164,7 +164,7 @@ int run(const Options& given, const Console& console) {
   return code;
 }
 
-Json schema() {
+Json reproduce_result_schema() {
   const Json text = JsonForm<std::string>::schema(), number = JsonForm<double>::schema();
   const Json system = object_schema(
       {{"contact", "its law", text}, {"parameters", "of the system", JsonForm<std::map<std::string, double>>::schema(), false}});
@@ -182,8 +182,8 @@ Json schema() {
                                              {"diagrams", "bifurcation diagrams", list_schema(diagram)}})});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_reproduce(CLI::App& app) {
+  auto options = std::make_shared<ReproduceArguments>();
   begin_group(app, "Reproduction");
   add_text(app, "FILE", options->file, "FILE",
            "published figures (TOML; default: the published.toml that came with the program)");
@@ -204,8 +204,8 @@ Command reproduce_command() {
       "ours; a remark says what is known where it does not. --out gets the figures as well, and index.html, which shows them\n"
       "beside the comparison. The exit code is 0 whatever the verdicts are.",
       {"graze reproduce --out reproduction", "graze reproduce data/published.toml --json -"},
-      setup,
-      {{"reproduce", schema}}};
+      set_up_reproduce,
+      {{"reproduce", reproduce_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -27,7 +27,7 @@ int run(const std::string& name, const Console& console) {
   return 0;
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
+std::function<int(const Console&)> set_up_schema(CLI::App& app) {
   auto name = std::make_shared<std::string>();
   add_text(app, "NAME", *name, "NAME", "of the result: orbit of \"graze.orbit/1\"; without, the names are listed");
   return [name](const Console& console) { return run(*name, console); };
@@ -42,7 +42,7 @@ Command schema_command() {
           "files,\n"
           "data/schemas/NAME.json, for validators and editors.",
           {"graze schema", "graze schema orbit > orbit.schema.json"},
-          setup};
+          set_up_schema};
 }
 
 }  // namespace graze::apps

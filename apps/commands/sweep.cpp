@@ -21,7 +21,7 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct SweepArguments {
   StartOptions start;
   std::string parameter, direction = "up", resume;
   std::optional<double> from, to;
@@ -47,8 +47,8 @@ std::vector<SweepRow> earlier_rows(const Json& earlier, const std::string& folde
   return rows;
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const SweepArguments& given, const Console& console) {
+  SweepArguments options = given;
   if (!options.resume.empty() && options.output.out.empty()) options.output.out = options.resume;
   const OutputFolder folder(options.output, "sweep", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console, {options.parameter});
@@ -108,14 +108,14 @@ int run(const Options& given, const Console& console) {
   return code;
 }
 
-Json schema() {
+Json sweep_result_schema() {
   return result_schema("sweep/1", "the attractor at each value of a parameter",
                        {object_schema({{"parameter", "that changes from row to row", JsonForm<std::string>::schema()},
                                        {"rows", "in the order in which they are reached", rows_schema()}})});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_sweep(CLI::App& app) {
+  auto options = std::make_shared<SweepArguments>();
   add_start_options(app, options->start);
   begin_group(app, "Sweep");
   add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
@@ -143,8 +143,8 @@ Command sweep_command() {
           "stroboscopic states.",
           {"graze sweep data/problems/hertz-damped.toml --from 0.69 --to 0.75 --step 0.0005 --direction both --plot sweep.png",
            "graze sweep data/problems/newton-elastic.toml --from 0.7 --to 0.76 --step 0.001 --out run"},
-          setup,
-          {{"sweep", schema}}};
+          set_up_sweep,
+          {{"sweep", sweep_result_schema}}};
 }
 
 }  // namespace graze::apps

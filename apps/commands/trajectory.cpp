@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t contacts_shown = 40;
 constexpr double most_samples = 2e6;  // in total; a result is held in memory before it is written
 
-struct Options {
+struct TrajectoryArguments {
   StartOptions start;
   int periods = 10, samples = 100;
   std::optional<double> duration;
@@ -47,8 +47,8 @@ std::string motion_text(const Problem& problem, const Motion& motion, const Cont
   return text;
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const TrajectoryArguments& given, const Console& console) {
+  TrajectoryArguments options = given;
   const OutputFolder folder(options.output, "trajectory", options.start.file);
   if (static_cast<double>(options.periods) * options.samples > most_samples)
     throw std::invalid_argument(fmt::format("--periods {} times --samples {} is more than {} samples; ask for fewer of either",
@@ -108,10 +108,12 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "trajectory", exit_code(status), console);
 }
 
-Json schema() { return result_schema("trajectory/1", "a run of a motion", {schema_of(listed_motion_columns())}); }
+Json trajectory_result_schema() {
+  return result_schema("trajectory/1", "a run of a motion", {schema_of(listed_motion_columns())});
+}
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_trajectory(CLI::App& app) {
+  auto options = std::make_shared<TrajectoryArguments>();
   add_start_options(app, options->start);
   begin_group(app, "Run");
   add_count(app, "--periods", options->periods, 1,
@@ -135,8 +137,8 @@ Command trajectory_command() {
           "speed, duration, equivalent coefficient of restitution, energy lost.",
           {"graze trajectory data/problems/hertz-damped.toml --periods 4 --plot run.png",
            "graze trajectory data/problems/newton-elastic.toml --start -0.169,-0.962 --settle 0 --csv run.csv"},
-          setup,
-          {{"trajectory", schema}}};
+          set_up_trajectory,
+          {{"trajectory", trajectory_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -29,7 +29,7 @@ namespace graze::apps {
 
 namespace {
 
-struct Options {
+struct VerifyArguments {
   OrbitOptions orbit;
   std::string parameter;
   std::optional<double> from, to, step;
@@ -39,7 +39,7 @@ struct Options {
 };
 
 /// The name of the parameter. At one value any will do.
-std::string parameter_of(const Options& options, const Problem& problem) {
+std::string parameter_of(const VerifyArguments& options, const Problem& problem) {
   const bool one_value = !options.from && !options.to && !options.step;
   const std::vector<ParameterInfo>& all = problem.system.parameters;
   if (options.parameter.empty() && one_value && !problem.system.forcing_frequency && !all.empty()) return all.front().name;
@@ -48,7 +48,7 @@ std::string parameter_of(const Options& options, const Problem& problem) {
 
 /// The values of the parameter, in the order in which the orbit is carried from one to the next; without a range only the
 /// problem's own value.
-std::vector<double> values_of(const Options& options, const Problem& problem) {
+std::vector<double> values_of(const VerifyArguments& options, const Problem& problem) {
   check_parameter_name(problem, options.parameter);
   const double own = parameter(problem, options.parameter), from = options.from.value_or(own);
   if (!options.to && !options.step) return {from};
@@ -73,7 +73,7 @@ Vector hertz_parameters(const Problem& problem) {
   return p;
 }
 
-void check_hard_limit(const Problem& problem, const Options& options) {
+void check_hard_limit(const Problem& problem, const VerifyArguments& options) {
   if (!is_built_in(problem))
     throw std::invalid_argument(
         "--hard-limit is for the built-in oscillators; a system written as text has no stiffness that it knows");
@@ -88,7 +88,7 @@ void check_hard_limit(const Problem& problem, const Options& options) {
   }
 }
 
-Problem problem_at(const Problem& problem, const Options& options, double value) {
+Problem problem_at(const Problem& problem, const VerifyArguments& options, double value) {
   Problem at = problem;
   set_parameter(at, options.parameter, value, options.to ? "--from, --to" : "--from");
   return at;
@@ -125,7 +125,8 @@ std::optional<PeriodicOrbit> carried(const Problem& at, const PeriodicOrbit& las
   return std::nullopt;
 }
 
-Collected collect(const Problem& problem, const Options& options, const std::vector<double>& values, const Console& console) {
+Collected collect(const Problem& problem, const VerifyArguments& options, const std::vector<double>& values,
+                  const Console& console) {
   Collected out;
   Progress progress(console.err, console.quiet, "following");
   const bool range = values.size() > 1;
@@ -165,7 +166,7 @@ Collected collect(const Problem& problem, const Options& options, const std::vec
   return out;
 }
 
-Verification verify_one(const Problem& at, const Collected::Item& item, const Options& options) {
+Verification verify_one(const Problem& at, const Collected::Item& item, const VerifyArguments& options) {
   Verification out;
   out.value = item.value;
   VerificationOptions verifying;
@@ -180,7 +181,7 @@ Verification verify_one(const Problem& at, const Collected::Item& item, const Op
 }
 
 /// Verifies all orbits in parallel; those cut short by an interrupt are left out.
-std::vector<Verification> verify_all(const Problem& problem, const Collected& collected, const Options& options,
+std::vector<Verification> verify_all(const Problem& problem, const Collected& collected, const VerifyArguments& options,
                                      const Console& console) {
   const std::size_t count = collected.orbits.size();
   std::vector<std::optional<Verification>> slots(count);
@@ -207,7 +208,7 @@ std::vector<Verification> verify_all(const Problem& problem, const Collected& co
 }
 
 /// Adds complaints about orbits that do not agree, or whose hard limit was not reached.
-void judge(const std::vector<Verification>& list, const Options& options, bool range, Collected& collected) {
+void judge(const std::vector<Verification>& list, const VerifyArguments& options, bool range, Collected& collected) {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::string which =
         fmt::format("orbit {}{}", i + 1, range ? fmt::format(" at {} = {}", options.parameter, rounded(list[i].value, 9)) : "");
@@ -230,8 +231,8 @@ std::string sentence(const std::vector<std::string>& complaints) {
   return text;
 }
 
-int run(const Options& given, const Console& console) {
-  Options options = given;
+int run(const VerifyArguments& given, const Console& console) {
+  VerifyArguments options = given;
   const OutputFolder folder(options.output, "verify", options.orbit.start.file);
   const Problem problem = open_problem(options.orbit.start, console, {options.parameter});
   options.parameter = parameter_of(options, problem);
@@ -274,7 +275,7 @@ int run(const Options& given, const Console& console) {
   return deliver(result, options.output, "verify", exit_code(collected.status), console);
 }
 
-Json schema() {
+Json verify_result_schema() {
   return result_schema("verify/1", "orbits with what is known of them in several ways, and how far these disagree",
                        {schema_of(origin_columns()),
                         object_schema({{"agrees", "no check of any orbit has failed", JsonForm<bool>::schema()},
@@ -284,8 +285,8 @@ Json schema() {
                                         list_schema(schema_of(largest_columns({})))}})});
 }
 
-std::function<int(const Console&)> setup(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+std::function<int(const Console&)> set_up_verify(CLI::App& app) {
+  auto options = std::make_shared<VerifyArguments>();
   add_orbit_options(app, options->orbit);
   begin_group(app, "Range");
   add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency; needed for a range only)");
@@ -314,8 +315,8 @@ Command verify_command() {
        "graze verify data/problems/newton-elastic.toml --period 2 --search",
        "graze verify data/problems/hertz-damped.toml --from 0.95 --to 0.9 --step 0.005 --plot verify.png",
        "graze verify data/problems/hertz-damped.toml --hard-limit --plot restitution.png --plot-kind restitution"},
-      setup,
-      {{"verify", schema}}};
+      set_up_verify,
+      {{"verify", verify_result_schema}}};
 }
 
 }  // namespace graze::apps
