@@ -11,25 +11,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 namespace graze {
 
 namespace {
-
-/// True if the multipliers coincide with those of the bifurcation to rounding at both ends of the step: then they cross in
-/// rounding alone. This occurs where a doubled branch begins, and along orbits of a conservative resonance, which all have
-/// these multipliers. Two coinciding multipliers are known only to the square root of rounding.
-bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& b) {
-  constexpr double rounding = 1e-8, root = 1e-5;
-  const double farthest = std::max(test.distance(a.branch), test.distance(b.branch));
-  const auto coincide = [](const BranchPoint& point) {
-    const auto values = nontrivial(point.multipliers);
-    return values.size() > 1 && std::abs(values[0] - values[1]) < 4.0 * root;
-  };
-  return farthest < (coincide(a.branch) && coincide(b.branch) ? root : rounding);
-}
 
 /// All representations of the orbit at a point of a branch: a branch that returns to any of them is closed.
 std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint& point) {
@@ -94,7 +79,7 @@ std::optional<Verdict> BranchFollower::end_of_range(BranchProblem& problem, cons
     return outside ? std::optional(Verdict::reject) : std::nullopt;
   }
   const double bound = above ? high_ : low_;
-  const Vector u = at_value(problem, before.u + (bound - last) / (value - last) * (after.u - before.u), bound);
+  const Vector u = at_value(problem, before.u + (bound - last) / (value - last) * (after.u - before.u), bound, options_.trace);
   if (u.size() == 0) return Verdict::reject;
   const double length = after.arclength - before.arclength;
   after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
@@ -138,7 +123,7 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
     if (!confirmed && !(test.too_far_apart && test.too_far_apart(a, b))) continue;
     if (in_rounding(test, a, b)) continue;
     std::optional<PointInStep> special =
-        confirmed ? locate(problem, test, a, b, branch) : locate_halving(problem, test, a, b, branch);
+        locate_in_step(problem, test, a, b, {.halve = !confirmed, .at_corner = corner_.has_value()}, branch, options_.trace);
     if (!special) {
       if (confirmed && long_step) return false;
       continue;
@@ -158,7 +143,7 @@ bool BranchFollower::take(BranchProblem& problem, const CurvePoint& before, cons
     }
     if (doubtful(met.back())) return false;
   }
-  user_points(problem, before, after, branch, met);
+  add_user_points(problem, before, after, options_.user_values, options_.trace, branch, met);
   std::stable_sort(met.begin(), met.end(), [](const PointInStep& x, const PointInStep& y) { return x.place < y.place; });
   for (PointInStep& special : met) branch.special_points.push_back(std::move(special.point));
   earlier_ = std::move(values);
@@ -310,7 +295,7 @@ bool BranchFollower::end_on_bound(BranchProblem& problem, Branch& branch) {
   const BranchPoint& end = branch.points.back();
   for (const double bound : {low_, high_}) {
     if (end.value == bound || std::abs(end.value - bound) > 1e-6 * (1.0 + std::abs(bound))) continue;
-    const Vector u = at_value(problem, last_, bound);
+    const Vector u = at_value(problem, last_, bound, options_.trace);
     if (u.size() == 0) return false;
     BranchPoint point = problem.branch_point(u, end.arclength + std::abs(end.value - bound) / (high_ - low_));
     if (!point.multipliers.valid || point.signature != end.signature) return false;
@@ -602,307 +587,12 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   return std::nullopt;
 }
 
-namespace {
-
-/// The place of u along the step from `before`, in arclength.
-double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector& u) {
-  return zero.weights.cwiseProduct(before.tangent).dot(u - before.u);
-}
-
-/// The place within its stretches, as a fraction of a stretch, at which a motion without contacts comes nearest to one: there
-/// the first contact will appear.
-double nearest_approach(OrbitProblem& problem, const Vector& shortened, double length) {
-  constexpr int samples = 32;
-  ShootingEquations& equations = problem.equations();
-  double nearest = -std::numeric_limits<double>::infinity(), place = 0.5;
-  Transition transition;
-  for (int j = 0; j < problem.nodes(); ++j) {
-    const double start = equations.node_time(shortened, j), step = length / samples;
-    Vector x = equations.node(shortened, j);
-    for (int k = 0; k < samples; ++k) {
-      for (const Event& event : problem.system().events) {
-        if (event.from != equations.stretch(j).mode0) continue;
-        const double gap = event.guard.value(start + k * step, x, equations.parameters());
-        if (!(gap > nearest)) continue;
-        nearest = gap;
-        place = static_cast<double>(k) / samples;
-      }
-      carry(equations.propagator(), start + k * step, start + (k + 1) * step, x, {.sensitivity = Sensitivity::none}, transition);
-      if (transition.termination != Termination::time) return 0.5;
-      x = transition.x1;
-    }
-  }
-  return place;
-}
-
-}  // namespace
-
 double BranchFollower::better_section(OrbitProblem& problem, const Vector& u) const {
-  const double current = problem.equations().section_phase();
-  if (!(hard_contacts_ || clear_of_soft_) || !problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true}))
-    return current;
-  // Places of the events within their stretches, as fractions from the start of the stretch.
-  const Vector shortened = u.head(u.size() - 1);
-  const double length = problem.equations().duration(shortened) / problem.nodes();
-  std::vector<double> places;
-  for (int j = 0; j < problem.nodes(); ++j)
-    for (const EventRecord& event : problem.equations().stretch(j).events)
-      places.push_back((event.t - problem.equations().node_time(shortened, j)) / length);
-  if (places.empty()) places.push_back(nearest_approach(problem, shortened, length));
-  std::sort(places.begin(), places.end());
-  const double room = std::min(places.front(), 1.0 - places.back());
-  constexpr double too_close = 0.02;
-  if (room > too_close) return current;
-  const Gap gap = widest_gap(places);
-  if (0.5 * gap.length < 2.0 * room) return current;
-  // One stretch is period / nodes forcing periods.
-  return std::fmod(current + gap.middle * problem.period() / problem.nodes(), 1.0);
-}
-
-Vector BranchFollower::at_value(BranchProblem& problem, Vector u, double value) const {
-  u[u.size() - 1] = value;
-  const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options_.trace);
-  if (!report.converged()) return {};
-  u[u.size() - 1] = value;
-  return u;
-}
-
-SpecialPoint BranchFollower::plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const {
-  SpecialPoint point;
-  point.type = type;
-  point.orbit = problem.orbit(u);
-  point.value = point.interval[0] = point.interval[1] = problem.value(u);
-  point.status = type == PointType::MX ? PointStatus::bracketed : PointStatus::converged;
-  point.after_point = branch.points.empty() ? 0 : branch.points.size() - 1;
-  return point;
+  return hard_contacts_ || clear_of_soft_ ? clear_section(problem, u) : problem.equations().section_phase();
 }
 
 void BranchFollower::mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch) {
   branch.special_points.push_back(plain_point(problem, u, type, branch));
-}
-
-void BranchFollower::user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
-                                 std::vector<PointInStep>& met) const {
-  if (options_.user_values.empty()) return;
-  // If the branch turns within the step, a value may be passed on both sides of the fold.
-  std::vector<Vector> course{before.u};
-  for (const PointInStep& point : met)
-    if (point.point.type == PointType::LP && point.point.status == PointStatus::converged) course.push_back(point.u);
-  course.push_back(after.u);
-  for (std::size_t k = 0; k + 1 < course.size(); ++k) {
-    const double a = problem.value(course[k]), b = problem.value(course[k + 1]);
-    for (const double value : options_.user_values) {
-      if ((a < value) == (b < value)) continue;
-      // Near a fold the state varies with the square root of the distance in the parameter.
-      const double way = (value - a) / (b - a);
-      const double part = k > 0 ? std::sqrt(way) : k + 2 < course.size() ? 1.0 - std::sqrt(1.0 - way) : way;
-      const Vector u = at_value(problem, course[k] + part * (course[k + 1] - course[k]), value);
-      if (u.size() > 0)
-        met.push_back({place_of(problem.zero_problem(), before, u), u, plain_point(problem, u, PointType::UZ, branch)});
-    }
-  }
-}
-
-/// The point of the branch at this part of the step; empty if the corrector fails or its multipliers do not exist.
-std::optional<PointBetween> BranchFollower::between(BranchProblem& problem, const TestPoint& before, const TestPoint& after,
-                                                    double part) const {
-  const ZeroProblem zero = problem.zero_problem();
-  PointBetween point;
-  CurvePoint& curve = point.curve;
-  curve.u = before.curve.u + part * (after.curve.u - before.curve.u);
-  if (!correct(zero, after.curve.u - before.curve.u, curve.u, options_.trace).converged()) return std::nullopt;
-  curve.tangent = tangent_at(zero, curve.u, before.curve.tangent);
-  if (curve.tangent.size() == 0) return std::nullopt;
-  curve.arclength = before.curve.arclength + part * (after.curve.arclength - before.curve.arclength);
-  point.branch = problem.branch_point(curve.u, curve.arclength);
-  if (!point.branch.multipliers.valid) return std::nullopt;
-  return point;
-}
-
-/// Halves the step until its ends are near enough to confirm the point, then locates it.
-std::optional<PointInStep> BranchFollower::locate_halving(BranchProblem& problem, const TestFunction& test,
-                                                          const TestPoint& before, const TestPoint& after,
-                                                          const Branch& branch) const {
-  constexpr int halvings = 20;
-  PointBetween lo{before.curve, before.branch}, hi{after.curve, after.branch};
-  const bool below = test.value(before) < 0.0;
-  for (int i = 0; i < halvings && test.too_far_apart({lo.curve, lo.branch}, {hi.curve, hi.branch}); ++i) {
-    std::optional<PointBetween> middle = between(problem, {lo.curve, lo.branch}, {hi.curve, hi.branch}, 0.5);
-    if (!middle) return std::nullopt;
-    PointBetween& end = (test.value({middle->curve, middle->branch}) < 0.0) == below ? lo : hi;
-    end = std::move(*middle);
-  }
-  if (!test.confirm({lo.curve, lo.branch}, {hi.curve, hi.branch})) return std::nullopt;
-  std::optional<PointInStep> met = locate(problem, test, {lo.curve, lo.branch}, {hi.curve, hi.branch}, branch);
-  if (met) met->place = place_of(problem.zero_problem(), before.curve, met->u);
-  return met;
-}
-
-/// Empty if the sign changes without a special point of this type.
-std::optional<PointInStep> BranchFollower::locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
-                                                  const TestPoint& after, const Branch& branch) const {
-  /// Largest distance of a multiplier from its critical value at a sign change that Newton's method did not confirm.
-  constexpr double announced = 1e-3;
-  const ZeroProblem zero = problem.zero_problem();
-  const double length = after.curve.arclength - before.curve.arclength;
-  double lo = 0.0, hi = 1.0, f_lo = test.value(before), f_hi = test.value(after);
-  double value_lo = problem.value(before.curve.u), value_hi = problem.value(after.curve.u);
-  CurvePoint best = after.curve;
-  BranchPoint best_branch = after.branch;
-  int side = 0;
-  // Narrows the bracket of the sign change along the curve (Illinois method).
-  const auto narrow_bracket = [&](int steps, double small, double narrow) {
-    for (int i = 0; i < steps && hi - lo > narrow; ++i) {
-      const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
-      std::optional<PointBetween> trial = between(problem, before, after, s);
-      if (!trial) break;
-      const double f = test.value({trial->curve, trial->branch});
-      best = std::move(trial->curve);
-      best_branch = std::move(trial->branch);
-      if ((f < 0.0) == (f_lo < 0.0)) {
-        lo = s;
-        f_lo = f;
-        value_lo = best_branch.value;
-        if (side == 1) f_hi *= 0.5;
-        side = 1;
-      } else {
-        hi = s;
-        f_hi = f;
-        value_hi = best_branch.value;
-        if (side == -1) f_lo *= 0.5;
-        side = -1;
-      }
-      if (std::abs(f) < small) break;
-    }
-  };
-  SpecialPoint point;
-  point.type = test.type;
-  point.after_point = branch.points.size() - 1;
-  // Newton's result must stay within the bracket of the sign change: outside lies another point of the same type. Beside such a
-  // point the test function is small all over the step, and only a narrow bracket leads to the right one.
-  const Vector weighted_chord = zero.weights.cwiseProduct(after.curve.u - before.curve.u);
-  const auto within_bracket = [&](const Vector& u) {
-    constexpr double slack = 1e-6;
-    const double part = weighted_chord.dot(u - before.curve.u) / weighted_chord.dot(after.curve.u - before.curve.u);
-    return weighted_norm(zero.weights, u - best.u) <= length && part >= lo - slack && part <= hi + slack;
-  };
-  LocatedPoint located;
-  bool found = false;
-  for (const bool again : {false, true}) {
-    if (found) break;
-    again ? narrow_bracket(40, 0.0, 1e-4) : narrow_bracket(8, 1e-5, 1e-7);
-    located = test.locate(problem, best.u, {best, best_branch});
-    found = located.newton.converged() && within_bracket(located.u);
-  }
-  point.newton = located.newton;
-  if (found) {
-    point.status = PointStatus::converged;
-    point.precision = std::max(located.precision, 4e-16 * std::abs(problem.value(located.u)));
-    point.value = problem.value(located.u);
-    point.orbit = problem.orbit(located.u, located.newton);
-    point.orbit.multipliers = problem.branch_point(located.u, 0.0).multipliers;
-    best.u = located.u;
-    if (test.describe) test.describe(problem, located, point);
-  } else {
-    // If Newton's method fails, as at the corner of a stiff contact, the sign change along the curve is bracketed down to
-    // rounding. A sign change without a multiplier at its critical value belongs to another event, or to a jump.
-    narrow_bracket(60, 0.0, 1e-12);
-    if (!corner_ && !(test.distance(best_branch) < announced)) return std::nullopt;
-    point.value = problem.value(best.u);
-    point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * (1.0 + std::abs(point.value)));
-    point.status = hi - lo <= 1e-10 ? PointStatus::converged : PointStatus::bracketed;
-    point.orbit = problem.orbit(best.u);
-    point.orbit.multipliers = best_branch.multipliers;
-    point.details["method"] = std::string("sign change along the branch");
-  }
-  point.interval[0] = point.value - point.precision;
-  point.interval[1] = point.value + point.precision;
-  return PointInStep{place_of(zero, before.curve, best.u), best.u, std::move(point)};
-}
-
-SpecialPoint BranchFollower::grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after,
-                                           const Branch& branch) const {
-  SpecialPoint point;
-  point.type = PointType::GR;
-  point.after_point = branch.points.size() - 1;
-  point.status = PointStatus::converged;
-  point.newton = located.newton;
-  point.value = located.u[located.u.size() - 1];
-  point.precision = std::max(located.precision, 4e-16 * std::abs(point.value));
-  point.interval[0] = point.value - point.precision;
-  point.interval[1] = point.value + point.precision;
-  point.orbit = located.orbit;
-  point.orbit.admissible = branch.points.back().admissible;
-  point.touching = located.contacts;
-  set_impacts(point, impacts_before, impacts_after);
-  point.details["scenario"] = std::string(grazing_scenario_name(located.scenario));
-  point.details["time"] = located.t;
-  if (is_forced(system_)) {
-    const double T = forcing_period(system_, point.orbit.parameters);
-    point.details["phase"] = 2.0 * std::numbers::pi * std::fmod(located.t / T, 1.0);
-  }
-  return point;
-}
-
-PointInStep BranchFollower::locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
-                                                 const BranchPoint& reached, const Branch& branch) const {
-  const BranchPoint& last = branch.points.back();
-  const bool lost = reached.impacts < last.impacts;
-  const int change = std::abs(reached.isolated_impacts - last.isolated_impacts);
-  const Vector& with_impact = lost ? before.u : after.u;
-  const double low = std::min(last.value, reached.value), high = std::max(last.value, reached.value), width = high - low;
-  // A node within a contact cuts it in two: then the nodes are moved.
-  const double section = problem.equations().section_phase();
-  for (const double further : {0.0, 0.37, 0.71}) {
-    const bool moving = further > 0.0;
-    if (moving && problem.equations().autonomous()) break;
-    std::optional<OrbitProblem> moved;
-    if (moving) moved.emplace(problem.with_section(std::fmod(section + further, 1.0)));
-    std::optional<Vector> u = moving ? problem.to_section(*moved, with_impact) : with_impact;
-    // Contacts that graze together are tested one by one: with each on a stretch of its own, the others do not count before it.
-    if (change > 1 && u) {
-      OrbitProblem& coarse = moving ? *moved : problem;
-      OrbitProblem fine = coarse.with_nodes(4);
-      u = coarse.to_nodes(fine, *u);
-      moved.emplace(std::move(fine));
-    }
-    OrbitProblem& here = moved ? *moved : problem;
-    // The grazing contact need not be the weakest one yet.
-    constexpr int considered = 4;
-    const std::vector<GrazingGuess> guesses =
-        u ? weakest_contacts(here, *u, change > 1 ? change : considered) : std::vector<GrazingGuess>{};
-    const auto within_step = [&](const LocatedGrazing& found) {
-      const double value = found.newton.converged() ? here.value(found.u) : std::numeric_limits<double>::quiet_NaN();
-      return value >= low - 0.01 * width && value <= high + 0.01 * width;
-    };
-    LocatedGrazing located;
-    for (std::size_t k = 0; k < guesses.size() && !within_step(located); ++k)
-      if (k == 0 || change == 1) located = locate_grazing(here, *u, guesses[k]);
-    if (!within_step(located)) continue;
-    const double value = here.value(located.u);
-    const auto apart = [&](const GrazingGuess& other) {
-      const LocatedGrazing found = locate_grazing(here, *u, other);
-      return !found.newton.converged() || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
-    };
-    if (change > 1 && std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
-    const Vector along =
-        before.u + (value - before.u[before.u.size() - 1]) / (after.u - before.u)[before.u.size() - 1] * (after.u - before.u);
-    const Vector& place = moved ? along : located.u;
-    return {place_of(problem.zero_problem(), before, place), place,
-            grazing_point(located, last.impacts, reached.impacts, branch)};
-  }
-  SpecialPoint point;
-  point.type = PointType::GR;
-  point.after_point = branch.points.size() - 1;
-  point.value = 0.5 * (low + high);
-  point.precision = 0.5 * width;
-  point.interval[0] = low;
-  point.interval[1] = high;
-  point.orbit = problem.orbit(with_impact);
-  point.details["kind"] = lost ? "lost" : "gained";
-  point.details["impacts"] = std::vector<double>{static_cast<double>(last.impacts), static_cast<double>(reached.impacts)};
-  const Vector middle = 0.5 * (before.u + after.u);
-  return {place_of(problem.zero_problem(), before, middle), middle, std::move(point)};
 }
 
 bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
@@ -961,7 +651,7 @@ bool BranchFollower::reaches_grazing(SignatureProblem& problem, const CurvePoint
   if (!append_points_before_grazing(problem, ahead->u, last, branch)) return false;
   const int impacts = branch.points.back().impacts;
   branch.special_points.push_back(
-      grazing_point(ahead->grazing, impacts, impacts + (ahead->lost ? -ahead->grazing.touches : 1), branch));
+      grazing_point(system_, ahead->grazing, impacts, impacts + (ahead->lost ? -ahead->grazing.touches : 1), branch));
   after = std::move(last);
   grazing_ = GrazingEnd{std::move(ahead->grazing), ahead->lost};
   return true;
@@ -1046,7 +736,8 @@ bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, C
       if (next.tangent.size() == 0 || !point.multipliers.valid || point.isolated_impacts != impacts) continue;
       std::vector<PointInStep> met;
       if (!passed)
-        met.push_back({place_of(zero, last, located.u), located.u, grazing_point(located, end.impacts, point.impacts, branch)});
+        met.push_back(
+            {place_of(zero, last, located.u), located.u, grazing_point(system_, located, end.impacts, point.impacts, branch)});
       corner_ = Corner{value, place_of(zero, last, located.u), to_contact};
       const bool taken = take(problem, last, next, std::move(point), std::move(met), branch);
       corner_.reset();
@@ -1098,7 +789,7 @@ std::optional<GrazingEnd> BranchFollower::grazing_at_failure(OrbitProblem& probl
   if (!located) return std::nullopt;
   // A contact too weak for the free motion to reproduce is an impact that the branch has, not one that it misses.
   const bool lost = located->orbit.impacts < end.impacts;
-  branch.special_points.push_back(grazing_point(*located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
+  branch.special_points.push_back(grazing_point(system_, *located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
   return GrazingEnd{std::move(*located), lost};
 }
 

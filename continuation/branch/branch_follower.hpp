@@ -9,8 +9,7 @@
 
 #include <graze/continuation/branch/branch_switching.hpp>
 #include <graze/continuation/branch/continuation_options.hpp>
-#include <graze/continuation/conditions/grazing.hpp>
-#include <graze/continuation/conditions/test_function.hpp>
+#include <graze/continuation/branch/points_in_step.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
 
 namespace graze {
@@ -25,19 +24,6 @@ inline constexpr double least_resolved_speed = 1e-10;
 struct GrazingEnd {
   LocatedGrazing grazing;
   bool lost = false;  ///< the branch has the impact; otherwise the orbits beyond gain it
-};
-
-/// A special point within a step: `place` along the step orders it among the others, `u` is the orbit there.
-struct PointInStep {
-  double place = 0.0;
-  Vector u;
-  SpecialPoint point;
-};
-
-/// A point of the curve between two others, and its multipliers.
-struct PointBetween {
-  CurvePoint curve;
-  BranchPoint branch;
 };
 
 class BranchFollower {
@@ -76,24 +62,12 @@ class BranchFollower {
   std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart& start) const;
 
   // Special points.
-  std::optional<PointBetween> between(BranchProblem& problem, const TestPoint& before, const TestPoint& after, double part) const;
-  std::optional<PointInStep> locate_halving(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
-                                            const TestPoint& after, const Branch& branch) const;
-  std::optional<PointInStep> locate(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
-                                    const TestPoint& after, const Branch& branch) const;
-  PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
-                                   const BranchPoint& reached, const Branch& branch) const;
   bool reaches_grazing(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   std::optional<CurvePoint> special_point_near_grazing(SignatureProblem& problem, const Vector& grazing,
                                                        const CurvePoint& point) const;
   bool append_points_before_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch);
   std::optional<GrazingEnd> grazing_at_failure(OrbitProblem& problem, Branch& branch);
-  SpecialPoint grazing_point(const LocatedGrazing& located, int impacts_before, int impacts_after, const Branch& branch) const;
-  void user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const Branch& branch,
-                   std::vector<PointInStep>& met) const;
-  SpecialPoint plain_point(BranchProblem& problem, const Vector& u, PointType type, const Branch& branch) const;
   void mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch);
-  Vector at_value(BranchProblem& problem, Vector u, double value) const;
 
   const HybridSystem& system_;
   const ContinuationOptions& options_;
