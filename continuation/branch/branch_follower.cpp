@@ -269,6 +269,7 @@ Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const 
   }
   if (fastest_ < least_resolved_speed) return outside ? Verdict::stop : Verdict::reject;
   begin(problem, fastest_point_, branch);
+  if (outside) weak_up_to_ = std::clamp(value, low_, high_);
   if (outside || reaches_grazing(problem, before, after, branch)) return Verdict::stop;
   branch.points.clear();
   branch.special_points.clear();
@@ -468,6 +469,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
   interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = holds_more_ = false;
   fastest_ = 0.0;
   vanishes_at_.reset();
+  weak_up_to_.reset();
   refused_.reset();
   grazing_.reset();
   std::optional<BranchStart> by_events;
@@ -555,6 +557,13 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
             : fmt::format("the chatter {} complete, and the mass {}", sticks ? "is no longer" : "becomes",
                           sticks ? "does not stick beyond" : "sticks beyond");
     stop(BranchStop::chatter, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, what));
+  } else if (weak_up_to_) {
+    branch.stop_value = *weak_up_to_;
+    stop(
+        BranchStop::reached_bound,
+        fmt::format("the end of the range, {} = {:.12g}, was reached with an impact slower than {} all along; the orbit with the "
+                    "fastest is kept",
+                    branch.parameter, *weak_up_to_, least_kept_speed));
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {

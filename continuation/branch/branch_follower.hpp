@@ -99,6 +99,7 @@ class BranchFollower {
   Vector beginning_;      ///< the grazing
   double fastest_ = 0.0;  ///< largest speed of the weakest impact so far
   Vector fastest_point_;
+  std::optional<double> weak_up_to_;                      ///< end of the range, if it was reached without a first point
   std::optional<SignatureEquations::Violation> refused_;  ///< why the last trial solution is no motion
 };
 

@@ -42,7 +42,7 @@ struct BranchPoint {
   FloquetMultipliers multipliers;
   Signature signature;
   int impacts = 0, isolated_impacts = 0;  ///< see PeriodicOrbit
-  /// Normal speed of its weakest impact if the branch was followed in the coordinates of its events; otherwise infinity. Below
+  /// Scaled speed of its weakest event if the branch was followed in the coordinates of its events; otherwise infinity. Below
   /// 1e-5 a free run does not reproduce the orbit, because the arc beyond the barrier is no deeper than the accuracy of an
   /// impact.
   double weakest_speed = std::numeric_limits<double>::infinity();

@@ -107,7 +107,7 @@ std::optional<SignatureEquations::Violation> SignatureProblem::violation(const V
 double SignatureProblem::least_speed(const Vector& u) {
   double least = std::numeric_limits<double>::infinity();
   if (!set_value(u)) return least;
-  for (int k = 0; k < equations_.events(); ++k) least = std::min(least, equations_.speed(u, k));
+  for (int k = 0; k < equations_.events(); ++k) least = std::min(least, equations_.scaled_speed(u, k));
   return least;
 }
 

@@ -63,7 +63,7 @@ class SignatureProblem : public BranchProblem {
   EventNodes unpack(const Vector& u) const;
   /// See SignatureEquations. The parameter is set to its value in u first; if the model refuses it, u counts as a violation.
   std::optional<SignatureEquations::Violation> violation(const Vector& u);
-  /// Smallest normal speed of the events; infinity if the model refuses the parameter value.
+  /// Smallest scaled speed of the events; infinity if the model refuses the parameter value.
   double least_speed(const Vector& u);
   /// dh/dt just before the event with this number, and its gradient in u.
   double speed(const Vector& u, int event);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/signature_equations.hpp>
 #include <graze/lib/motion/rest.hpp>
+#include <graze/lib/system/guard_rounding.hpp>
 
 #include <fmt/format.h>
 
@@ -155,6 +156,11 @@ double SignatureEquations::speed(const Vector& u, int k) {
   Vector f(n_);
   propagator_.field(event(k).from, time(u, k), x, f);
   return transversality(event(k).guard, time(u, k), x, f, parameters());
+}
+
+double SignatureEquations::scaled_speed(const Vector& u, int k) {
+  const double size = guard_scale(event(k).guard, time(u, k), state(u, k), parameters()).dx;
+  return size > 0.0 ? speed(u, k) / size : speed(u, k);
 }
 
 Vector SignatureEquations::speed_gradient(const Vector& u, int k) {

@@ -63,6 +63,8 @@ class SignatureEquations {
   /// parameters.
   double speed(const Vector& u, int k);
   Vector speed_gradient(const Vector& u, int k);
+  /// The speed in units of the states: over the largest |dh_k/dx_i|. (A stop's release or a friction's guard is a force.)
+  double scaled_speed(const Vector& u, int k);
 
   /// An event at which u is not a motion: its speed is not positive, or a guard is met on the flight after it.
   struct Violation {
