@@ -66,11 +66,10 @@ Vector field_at_first_node(OrbitProblem& problem, const Vector& u) {
 }
 
 bool is_equilibrium(OrbitProblem& problem, const Vector& u) {
-  constexpr double rounding = 1e-8;  // the equations are solved to 1e-11, and an equilibrium solves them for any duration
   const Vector f = field_at_first_node(problem, u);
   if (f.size() == 0) return false;
   const double duration = problem.equations().duration(u.head(u.size() - 1));
-  return f.lpNorm<Eigen::Infinity>() * duration < rounding * problem.state_scale(u);
+  return f.lpNorm<Eigen::Infinity>() * duration < equilibrium_tolerance * problem.state_scale(u);
 }
 
 std::optional<double> locate_hopf(OrbitProblem& problem, const Vector& u) {

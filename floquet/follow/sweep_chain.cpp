@@ -23,6 +23,13 @@ bool broken_off(LyapunovStop stop) {
   return stop == LyapunovStop::interrupted || stop == LyapunovStop::failed || stop == LyapunovStop::not_run;
 }
 
+/// Whether the motion met endless events at one instant, or a guard without speed.
+bool is_on_edge(const Attractor& attractor) {
+  const LyapunovSpectrum& average = attractor.time_average;
+  return attractor.termination == Termination::event_limit ||
+         (average.stop == LyapunovStop::failed && average.termination == Termination::grazing);
+}
+
 }  // namespace
 
 SweepChain::SweepChain(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
@@ -124,11 +131,17 @@ MotionTask<RowPoint> SweepChain::follow(TaskSlot& slot, const Begin& begin, Attr
       slot.hurry(false);
     }
   }
-  out.attractor = co_await approach_attractor(slot, system_, p, from, finding);
-  if (begin.settled && out.attractor.type != AttractorType::periodic && out.attractor.termination == Termination::time)
-    hand_on(out.attractor.state);
-  slot.hurry(false);
-  co_await average_on_attractor(slot, system_, p, out.attractor, finding);
+  // Twice, if the motion is on an edge that rounding cannot tell, as where friction just holds: noise would move it off.
+  for (const bool again : {false, true}) {
+    out.attractor = co_await approach_attractor(slot, system_, p, from, finding);
+    if (begin.settled && !published && out.attractor.type != AttractorType::periodic &&
+        out.attractor.termination == Termination::time)
+      hand_on(out.attractor.state);
+    slot.hurry(false);
+    co_await average_on_attractor(slot, system_, p, out.attractor, finding);
+    if (again || !is_on_edge(out.attractor) || cancelled()) break;
+    push_off(system_, p, 0, from);
+  }
   if (out.attractor.termination == Termination::no_return && !published) {
     out.end = out.attractor.state;  // perturbed like noise: rest may be unstable at the next value
     push_off(system_, p, 0, out.end);

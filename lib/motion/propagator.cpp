@@ -82,8 +82,7 @@ std::optional<Termination> Propagator::period_end(const HybridState& state) cons
   if (!is_return_[record_.event] || record_.t <= at_once) return std::nullopt;
   Vector f(state.x.size());
   field(state.mode, state.t, state.x, f);
-  const bool rests = f.lpNorm<Eigen::Infinity>() <= guard_tolerance * (1.0 + state.x.lpNorm<Eigen::Infinity>());
-  return rests ? Termination::no_return : Termination::time;
+  return is_at_equilibrium(f, state.t, state.x) ? Termination::no_return : Termination::time;
 }
 
 double Propagator::guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f) {

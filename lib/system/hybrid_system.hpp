@@ -33,6 +33,12 @@ namespace graze {
 /// A state lies on a guard if |h| <= guard_tolerance (1 + |x|), in the guard's own units (guard_width): a hundred times the
 /// rounding error of an event's instant.
 inline constexpr double guard_tolerance = 1e-12;
+/// A motion without forcing that returns after the time T rests at an equilibrium if |f| T <= equilibrium_tolerance (1 + |x|): so
+/// near to one, returns and orbits cannot be told from it.
+inline constexpr double equilibrium_tolerance = 1e-8;
+inline bool is_at_equilibrium(const Vector& f, double T, const Vector& x) {
+  return f.lpNorm<Eigen::Infinity>() * T <= equilibrium_tolerance * (1.0 + x.lpNorm<Eigen::Infinity>());
+}
 /// It rests there if |dh/dt| <= rest_tolerance (1 + |f|), in these units (rests); then the sign of dh/dt a time rest_glance
 /// time_unit() later decides.
 inline constexpr double rest_tolerance = 1e-15, rest_glance = 1e-6;

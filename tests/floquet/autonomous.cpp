@@ -315,3 +315,16 @@ TEST_CASE("a sweep continues after values at which the motion comes to rest") {
     if (row.value < 0.0) CHECK(row.attractor.state.norm() < 1e-6);
   }
 }
+
+TEST_CASE("a motion that spirals into an equilibrium rests there and is no cycle (fixed)") {
+  // The origin is a focus, stable for mu < 0: returns decrease to rounding.
+  const HybridSystem system = van_der_pol();
+  const std::vector<SweepRow> rows = up_and_down(system, {.parameter = "mu", .from = -0.5, .to = 0.5, .step = 0.2}, 300);
+  REQUIRE(rows.size() == 12);
+  for (const SweepRow& row : rows) {
+    INFO("mu = " << row.value);
+    CHECK((row.attractor.type == AttractorType::periodic) == (row.value > 0.0));
+    CHECK((row.attractor.termination == Termination::no_return) == (row.value < 0.0));
+    if (row.value < 0.0) CHECK(row.attractor.state.norm() < 1e-7);
+  }
+}

@@ -394,3 +394,23 @@ TEST_CASE("a sweep of a belt's speed follows the stick-slip cycle up to its end"
     }
   }
 }
+
+TEST_CASE("a sweep passes the value at which friction just holds a mass (fixed)") {
+  // The force 0.8 cos(w t) is as large as the friction at mu = 0.8: whether it slips there, rounding decides.
+  SystemWriter writer;
+  writer.system.name = "edge";
+  writer.forcing("w").parameter("w", "0.7").parameter("mu", "0.1");
+  writer.mechanics({"q"}, {"p"}, {{{"1"}}, {{"0.05"}}, {{"0"}}, {"-sin(q) + 0.8*cos(w*t)"}});
+  writer.friction("pivot", "p", "1", "mu");
+  const HybridSystem system = equations::make_system(writer.system).system;
+  for (const double from : {0.0, 0.7}) {
+    SweepOptions options;
+    options.parameter = "mu";
+    options.from = from;
+    options.to = 0.9;
+    options.step = 0.05;
+    options.directions = {SweepDirection::down};
+    const std::vector<SweepRow> rows = sweep(system, default_parameters(system.parameters), vector({0.0, 0.0}), options);
+    CHECK(rows.size() == static_cast<std::size_t>(std::lround((0.9 - from) / 0.05)) + 1);
+  }
+}
