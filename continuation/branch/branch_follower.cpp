@@ -198,6 +198,11 @@ std::optional<Verdict> BranchFollower::end_at_equilibrium(OrbitProblem& problem,
   return verdict;
 }
 
+bool BranchFollower::ends_at_image(const Branch& branch) {
+  image_beyond_ = passes_to_image(system_, symmetries_, branch);
+  return image_beyond_;
+}
+
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
   if (interrupted_now()) return Verdict::stop;
   const std::optional<Verdict> end = end_of_range(problem, before, after);
@@ -237,8 +242,10 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   std::vector<PointInStep> met;
   if (change == 1 || (change > 1 && !hard_contacts_)) met.push_back(locate_impact_change(problem, before, after, point, branch));
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
+  if (auto kink = kink_in_step(problem, {before, branch.points.back()}, {after, point}, branch, options_.trace))
+    met.push_back(std::move(*kink));
   if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
-  if (end) return Verdict::stop;
+  if (end || ends_at_image(branch)) return Verdict::stop;
   section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
   return section_blocked_ ? Verdict::stop : Verdict::go_on;
 }
@@ -288,7 +295,7 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
   if (const auto verdict = end_at_half(problem, before, after, branch)) return *verdict;
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
-  return end.value_or(Verdict::go_on);
+  return end || ends_at_image(branch) ? Verdict::stop : Verdict::go_on;
 }
 
 /// Makes the last step onto the end of the range: if the model allows no value beyond it, no step leads across it.
@@ -365,9 +372,18 @@ Curve BranchFollower::follow_states(OrbitProblem& problem, const BranchStart& gi
       direction = std::copysign(1.0, direction[direction.size() - 1]) * pin_what_is_held(problem);
       continue;
     }
+    // A start that fails may be the last point of the branch, too close to a kink to be reproduced.
+    const bool not_begun = curve.stop == TraceStop::start_failed && !branch.points.empty();
     const bool fails = curve.stop == TraceStop::min_step && !branch.points.empty();
-    CurvePoint last = fails ? curve.points.back() : CurvePoint();
-    if (fails && ((!hard_contacts_ && step_around_corner(problem, branch, last)) || step_over_kink(problem, branch, last))) {
+    CurvePoint last;
+    if (not_begun) {
+      last.u = start;
+      last.tangent = direction / weighted_norm(zero.weights, direction);
+    } else if (fails) {
+      last = curve.points.back();
+    }
+    if ((fails && !hard_contacts_ && step_around_corner(problem, branch, last)) ||
+        ((fails || not_begun) && step_over_kink(problem, branch, last))) {
       trace_options.initial_step = 1e-6;
       start = last.u;
       direction = last.tangent;
@@ -466,7 +482,7 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   symmetries_ = flight_symmetries(system_, branch.parameters);
-  interrupted_ = returned_ = chatter_ends_ = clear_of_soft_ = holds_more_ = false;
+  interrupted_ = returned_ = image_beyond_ = chatter_ends_ = clear_of_soft_ = holds_more_ = false;
   fastest_ = 0.0;
   vanishes_at_.reset();
   weak_up_to_.reset();
@@ -531,7 +547,10 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   // If a free motion does not reproduce a weak impact of the last point, following in states cannot start there.
   const bool broken_off = why == TraceStop::min_step || why == TraceStop::start_failed;
   const bool released = curve.first_failed && problem.kept_states(*curve.first_failed).size() < problem.pinned().size();
-  if (broken_off && states && !released) grazing_ = grazing_at_failure(*states, branch);
+  if (broken_off && states && !released) {
+    const double onwards = curve.points.empty() ? 0.0 : curve.points.back().tangent[curve.points.back().tangent.size() - 1];
+    grazing_ = grazing_at_failure(*states, onwards, branch);
+  }
   if (grazing_) {
     const SpecialPoint& point = branch.special_points.back();
     branch.stop_value = point.value;
@@ -545,6 +564,9 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   } else if (returned_) {
     stop(BranchStop::returned,
          fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
+  } else if (image_beyond_) {
+    stop(BranchStop::returned, fmt::format("beyond the branch point at {} = {:.12g} lies the mirror image of this branch",
+                                           branch.parameter, branch.special_points.back().value));
   } else if (vanishes_at_) {
     branch.stop_value = *vanishes_at_;
     stop(BranchStop::equilibrium,
@@ -761,9 +783,17 @@ bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, C
 /// Appends the first point beyond a kink, and the kink as a grazing, if it is one: events that pass a node or change places make
 /// none. No test function is continuous across it.
 void BranchFollower::append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch) {
-  if (holds_more_ || is_kink(branch.points.back(), point)) {
-    SpecialPoint kink = plain_point(problem, last_, PointType::GR, branch);
-    describe_kink(kink, branch, point, holds_more_, goes_on);
+  constexpr double close = 1e-5;
+  const double jump = point.arclength - branch.points.back().arclength < close ? least_jump : sure_jump;
+  if (holds_more_ || is_kink(branch.points.back(), point, jump)) {
+    const std::size_t before = holds_more_ ? last_before_hold(branch) : branch.points.size() - 1;
+    PointBetween last, next;
+    last.curve.u = last_;
+    last.branch = branch.points[before];
+    next.curve.u = u;
+    next.branch = point;
+    SpecialPoint kink = kink_between(problem, last, next, branch, goes_on);
+    kink.after_point = before;
     branch.special_points.push_back(std::move(kink));
   }
   branch.points.push_back(std::move(point));
@@ -792,10 +822,15 @@ bool BranchFollower::step_over_kink(OrbitProblem& problem, Branch& branch, Curve
   return true;
 }
 
-std::optional<GrazingEnd> BranchFollower::grazing_at_failure(OrbitProblem& problem, Branch& branch) {
+/// The grazing at which the branch broke off; `onwards`: direction of the parameter at its end. One that it has left behind is
+/// not.
+std::optional<GrazingEnd> BranchFollower::grazing_at_failure(OrbitProblem& problem, double onwards, Branch& branch) {
+  constexpr double slack = 1e-6;  // relative to 1 + |value|: a fold may lie just ahead of the grazing
   const BranchPoint& end = branch.points.back();
   std::optional<LocatedGrazing> located = grazing_beside(problem, problem.pack(end.nodes, end.duration, end.value));
   if (!located) return std::nullopt;
+  const double ahead = problem.value(located->u) - end.value;
+  if (std::abs(ahead) > slack * (1.0 + std::abs(end.value)) && ahead * onwards < 0.0) return std::nullopt;
   // A contact too weak for the free motion to reproduce is an impact that the branch has, not one that it misses.
   const bool lost = located->orbit.impacts < end.impacts;
   branch.special_points.push_back(grazing_point(system_, *located, end.impacts, end.impacts + (lost ? -1 : 1), branch));

@@ -45,6 +45,7 @@ class BranchFollower {
   Vector pin_what_is_held(OrbitProblem& problem);
   bool step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   void append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch);
+  bool ends_at_image(const Branch& branch);
   std::optional<Verdict> end_at_equilibrium(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -66,7 +67,7 @@ class BranchFollower {
   std::optional<CurvePoint> special_point_near_grazing(SignatureProblem& problem, const Vector& grazing,
                                                        const CurvePoint& point) const;
   bool append_points_before_grazing(SignatureProblem& problem, const Vector& grazing, CurvePoint& last, Branch& branch);
-  std::optional<GrazingEnd> grazing_at_failure(OrbitProblem& problem, Branch& branch);
+  std::optional<GrazingEnd> grazing_at_failure(OrbitProblem& problem, double onwards, Branch& branch);
   void mark(BranchProblem& problem, const Vector& u, PointType type, Branch& branch);
 
   const HybridSystem& system_;
@@ -83,7 +84,7 @@ class BranchFollower {
     std::vector<double> values;
   };
   EarlierValues earlier_;
-  bool interrupted_ = false, returned_ = false, chatter_ends_ = false;
+  bool interrupted_ = false, returned_ = false, image_beyond_ = false, chatter_ends_ = false;
   /// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
   struct Corner {
     double value, place;

@@ -7,6 +7,7 @@
 #include <graze/continuation/problems/signature_problem.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -181,7 +182,6 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // side on which the free maximum stays below the barrier
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
   const Event& contact = problem.system().events[grazing.event];
-  if (!lost && grazing.leads_away) return std::nullopt;
   // Several events coincide at the grazing, where the coordinates of the events are singular.
   const bool through_modes = !lost && (contact.to != contact.from || !grazing.contact_events.empty());
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
@@ -222,15 +222,17 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     if (problem.orbit(start.u).impacts != grazing.orbit.impacts + 1) return std::nullopt;
     return start;
   };
-  // First order in the impact's speed (LocatedGrazing::response).
-  const bool responds = grazing.impulse.size() > 0 && grazing.response != 0.0;
+  // First order in the impact's speed (LocatedGrazing::response). A free motion amplifies errors by one over that speed; an
+  // autonomous orbit is followed by nothing else.
+  const bool responds = !grazing.leads_away && grazing.impulse.size() > 0 && grazing.response != 0.0;
+  const bool free = problem.equations().autonomous();
   if (responds && grazing.scenario != GrazingScenario::smooth)
-    for (const double speed : {1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
+    for (const double speed : free ? std::array{3e-3, 1e-2, 1e-3, 3e-2, 3e-4} : std::array{1e-3, 3e-3, 3e-4, 1e-2, 3e-2}) {
       const double change = grazing.response * speed / grazing.top_dp;
       if (auto start = with_impact(grazing.u + change * grazing.family_dp + speed * grazing.impulse)) return start;
     }
-  // Contacts without an impulse to first order (a spring with a damper, an impact after which friction holds the mass): the
-  // branch has at most a corner, and Newton's method finds the orbits on either side of it.
+  // Contacts without an impulse to first order (a spring with a damper, an impact after which friction holds the mass), and
+  // those in which friction holds it: the branch has at most a corner, and Newton's method finds the orbits on either side of it.
   for (double distance = 1e-7; distance < 1e-3; distance *= 10.0)
     for (const double way : {-side, side})
       if (auto start = with_impact(grazing.u + way * distance * grazing.family_dp)) return start;

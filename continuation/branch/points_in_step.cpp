@@ -41,15 +41,6 @@ bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& 
   return farthest < (coincide(a.branch) && coincide(b.branch) ? root : rounding);
 }
 
-namespace {
-
-/// A point of the curve between two others, and its multipliers.
-struct PointBetween {
-  CurvePoint curve;
-  BranchPoint branch;
-};
-
-/// The point of the branch at this part of the step; empty if the corrector fails or its multipliers do not exist.
 std::optional<PointBetween> point_between(BranchProblem& problem, const TestPoint& before, const TestPoint& after, double part,
                                           const TraceOptions& options) {
   const ZeroProblem zero = problem.zero_problem();
@@ -64,6 +55,8 @@ std::optional<PointBetween> point_between(BranchProblem& problem, const TestPoin
   if (!point.branch.multipliers.valid) return std::nullopt;
   return point;
 }
+
+namespace {
 
 /// Empty if the sign changes without a special point of this type.
 std::optional<PointInStep> locate_confirmed(BranchProblem& problem, const TestFunction& test, const TestPoint& before,

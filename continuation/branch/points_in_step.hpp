@@ -19,6 +19,15 @@ struct PointInStep {
   SpecialPoint point;
 };
 
+/// A point of the curve between two others, and its multipliers.
+struct PointBetween {
+  CurvePoint curve;
+  BranchPoint branch;
+};
+/// The point of the branch at this part of the step; empty if the corrector fails or its multipliers do not exist.
+std::optional<PointBetween> point_between(BranchProblem& problem, const TestPoint& before, const TestPoint& after, double part,
+                                          const TraceOptions& options);
+
 /// The place of u along the step from `before`, in arclength.
 double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector& u);
 

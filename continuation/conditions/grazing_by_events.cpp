@@ -144,11 +144,14 @@ std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector
     std::optional<LocatedGrazing> located = grazing_near(problem, u, guess);
     if (!located || (!hard_contacts && located->scenario == GrazingScenario::smooth)) continue;
     const double away = weighted_norm(problem.zero_problem().weights, located->u - u);
-    // The same touch may be found twice: with its contact left out, and with a contact that the free motion still makes. The
-    // result with fewer impacts is kept.
+    // The same touch may be found twice: with its contact left out, with a contact that the free motion still makes, or from
+    // behind, as a stop that has let go and is nearly left. The result with fewer impacts is kept, and then the contact's own.
+    const auto rank = [&](const LocatedGrazing& found) {
+      return std::pair(found.orbit.impacts, !begins_contact(problem.system().events[found.event].kind));
+    };
     const bool same = nearest && std::abs(problem.value(located->u) - problem.value(nearest->u)) <
                                      same_value * (1.0 + std::abs(problem.value(located->u)));
-    if (same ? located->orbit.impacts >= nearest->orbit.impacts : !(away < distance)) continue;
+    if (same ? rank(*located) >= rank(*nearest) : !(away < distance)) continue;
     distance = away;
     nearest = std::move(located);
   }

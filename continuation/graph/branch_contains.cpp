@@ -72,6 +72,24 @@ std::optional<OrbitShape> corrected(const HybridSystem& system, const Vector& p,
   return out;
 }
 
+/// The shape of a branch's point, with the nodes that shape_of gives: of contacts that lead through other modes, those that jump.
+OrbitShape shape_of(const HybridSystem& system, const Vector& p, const BranchPoint& point) {
+  const auto is_continuous = [&](const OrbitShape::Node& node) { return system.events[node.event].continuous; };
+  OrbitShape shape = point.shape;
+  if (shape.by_events(system) && !std::all_of(shape.nodes.begin(), shape.nodes.end(), is_continuous))
+    std::erase_if(shape.nodes, is_continuous);
+  return shape.nodes.empty() ? shape_of(system, p, point.states, point.duration) : shape;
+}
+
+/// Whether the nodes are all events of the orbit, so that they can be coordinates.
+bool has_all_events(const HybridSystem& system, const OrbitShape& shape) {
+  if (!shape.by_events(system)) return true;
+  for (std::size_t k = 0; k < shape.nodes.size(); ++k)
+    if (system.events[shape.nodes[k].event].to != system.events[shape.nodes[(k + 1) % shape.nodes.size()].event].from)
+      return false;
+  return true;
+}
+
 /// Converts the times of an autonomous orbit to units of its own duration: its number of returns is a convention.
 OrbitShape in_own_duration(OrbitShape shape) {
   if (!shape.autonomous) return shape;
@@ -81,7 +99,7 @@ OrbitShape in_own_duration(OrbitShape shape) {
 }
 
 /// The same from states between the events and from the duration, which is corrected without forcing: for an autonomous orbit,
-/// and for one that sticks.
+/// for one that sticks, and for one some of whose events are not known.
 std::optional<OrbitShape> corrected_in_states(const HybridSystem& system, const Vector& p, std::size_t parameter,
                                               std::vector<Vector> states, double& duration) {
   if (!correct_states(system, p, static_cast<int>(states.size()), parameter, states, duration)) return std::nullopt;
@@ -110,10 +128,7 @@ bool branch_contains(const HybridSystem& system, const Branch& branch, const std
     p[static_cast<Eigen::Index>(parameter)] = v;
     return p;
   };
-  const auto shape = [&](const BranchPoint& point) {
-    return in_own_duration(point.shape.nodes.empty() ? shape_of(system, at(point.value), point.states, point.duration)
-                                                     : point.shape);
-  };
+  const auto shape = [&](const BranchPoint& point) { return in_own_duration(shape_of(system, at(point.value), point)); };
   std::optional<OrbitShape> here;
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
     const BranchPoint &a = branch.points[i], &b = branch.points[i + 1];
@@ -139,7 +154,7 @@ bool branch_contains(const HybridSystem& system, const Branch& branch, const std
     if (!orbit || orbit->distance > 0.5 * second->distance + rounding) continue;
     if (guess.sticks && forgets_all(a) && forgets_all(b)) return true;
     const std::optional<OrbitShape> found =
-        guess.autonomous || guess.sticks
+        guess.autonomous || guess.sticks || !has_all_events(system, guess)
             ? corrected_in_states(system, at(value), parameter, between(a.states, b.states, s), duration)
             : corrected(system, at(value), parameter, guess, duration);
     if (!found) continue;
