@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 
@@ -227,7 +228,9 @@ int run(const LocateArguments& given, const Console& console) {
     if (!message.empty()) result.text += "\n" + message + "\n";
     Problem at_point = problem;
     at_point.parameters = point->orbit.parameters;
-    add_notes(result, order_notes(at_point, point->orbit.events));
+    std::vector<std::string> notes = order_notes(at_point, point->orbit.events);
+    std::ranges::copy(size_notes(point->orbit), std::back_inserter(notes));
+    add_notes(result, notes);
     result.table = orbits_table(problem, {point->orbit}, false, {measured});
     const auto stable =
         std::find(result.table.columns.begin(), result.table.columns.end(), "stable") - result.table.columns.begin();

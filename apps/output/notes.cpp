@@ -61,6 +61,18 @@ std::vector<std::string> order_notes(const Problem& problem, const std::string& 
   return {};
 }
 
+std::vector<std::string> size_notes(const PeriodicOrbit& orbit) {
+  constexpr double small = 0.01;
+  double size = 0.0;
+  for (const Vector& state : orbit.states) size = std::max(size, state.lpNorm<Eigen::Infinity>());
+  for (const EventRecord& event : orbit.events) size = std::max(size, event.x_minus.lpNorm<Eigen::Infinity>());
+  if (size == 0.0 || size >= small) return {};
+  return {fmt::format(
+      "the states of the orbit are of size {:.0e}, but tolerances are relative to 1 + |x|: branches may miss points or "
+      "end falsely; with other units of length and time, in which states are of order 1, they do not",
+      size)};
+}
+
 void add_notes(Result& result, const std::vector<std::string>& notes) {
   if (!notes.empty()) result.json["notes"] = notes;
   for (const std::string& note : notes) result.text += fmt::format("\nnote: {}\n", note);

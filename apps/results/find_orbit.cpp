@@ -38,7 +38,7 @@ std::string extreme_parameter(const Problem& problem) {
 /// What the settled motion is, in words.
 std::string attractor(const Settled& settled, const std::optional<PeriodicOrbit>& orbit) {
   if (settled.suspected_period == 0)
-    return fmt::format("the motion settled at {} after {} repeats after no period up to {}", shown(settled.state),
+    return fmt::format("the motion is at {} after {} and repeats after no period up to {}", shown(settled.state),
                        periods(settled.periods), SettleOptions{}.max_period);
   return fmt::format("the motion settled at {} repeats after {}{}", shown(settled.state), periods(settled.suspected_period),
                      orbit ? fmt::format(" ({}, {})", z_label(*orbit), orbit->stable() ? "stable" : "unstable") : "");

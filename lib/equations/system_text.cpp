@@ -520,6 +520,12 @@ class Builder {
 
   /// Refuses the time in an autonomous system.
   void refuse_time() const {
+    for (const ModePiece& mode : pieces_.modes)
+      for (std::size_t i = 0; i < mode.field.size(); ++i)
+        if (dependence(graph_, mode.field[i]).time)
+          refuse(mode.equation[i],
+                 fmt::format("the equation of {} depends on the time, but neither a forcing frequency nor a period is given",
+                             symbols_.states[i]));
     for (const EventPiece& event : pieces_.events) {
       if (dependence(graph_, event.guard).time)
         refuse(event.when,
@@ -530,12 +536,6 @@ class Builder {
                fmt::format("the reset of {} depends on the time, but neither a forcing frequency nor a period is given",
                            event.name));
     }
-    for (const ModePiece& mode : pieces_.modes)
-      for (std::size_t i = 0; i < mode.field.size(); ++i)
-        if (dependence(graph_, mode.field[i]).time)
-          refuse(mode.equation[i],
-                 fmt::format("the equation of {} depends on the time, but neither a forcing frequency nor a period is given",
-                             symbols_.states[i]));
   }
 
   void check_period() const {
