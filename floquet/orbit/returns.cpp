@@ -58,9 +58,11 @@ PeriodicOrbit shoot_returns(Propagator& propagator, const std::vector<Vector>& s
   constexpr double least = 1e-3;  // shorter: Newton's method has converged to a single state, an orbit of no duration
   if (found.empty() || orbit.duration < least * begin->duration) return {};
   const Vector& node = orbit.nodes.front();
-  Vector field(node.size());
-  propagator.field(*mode_at(system, 0.0, node, p), 0.0, node, field);
-  if (is_at_equilibrium(field, orbit.duration, node)) return {};
+  if (const auto mode = mode_at(system, 0.0, node, p)) {
+    Vector field(node.size());
+    propagator.field(*mode, 0.0, node, field);
+    if (is_at_equilibrium(field, orbit.duration, node)) return {};
+  }
   for (std::size_t d = 1; options.reduce_period && d <= found.size() / 2; ++d) {
     constexpr double may_close = 1e-5, same_duration = 1e-6;
     if (found.size() % d != 0 || state_distance(found[d], found[0]) > may_close * (1.0 + state_size(found[0]))) continue;
