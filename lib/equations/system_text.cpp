@@ -518,14 +518,16 @@ class Builder {
     return true;
   }
 
-  /// Refuses the time in an autonomous system.
+  /// Refuses the time in an autonomous system. Of mechanics, the first mode has no contact: a stop that moves is named itself.
   void refuse_time() const {
-    for (const ModePiece& mode : pieces_.modes)
+    const auto refuse_in = [&](const ModePiece& mode) {
       for (std::size_t i = 0; i < mode.field.size(); ++i)
         if (dependence(graph_, mode.field[i]).time)
           refuse(mode.equation[i],
                  fmt::format("the equation of {} depends on the time, but neither a forcing frequency nor a period is given",
                              symbols_.states[i]));
+    };
+    if (!pieces_.modes.empty()) refuse_in(pieces_.modes.front());
     for (const EventPiece& event : pieces_.events) {
       if (dependence(graph_, event.guard).time)
         refuse(event.when,
@@ -536,6 +538,7 @@ class Builder {
                fmt::format("the reset of {} depends on the time, but neither a forcing frequency nor a period is given",
                            event.name));
     }
+    for (const ModePiece& mode : pieces_.modes) refuse_in(mode);
   }
 
   void check_period() const {
