@@ -177,7 +177,10 @@ std::optional<Verdict> BranchFollower::end_at_half(BranchProblem& problem, const
   const auto part = zero_crossing(problem.half_difference(before.u), problem.half_difference(after.u));
   if (!part) return std::nullopt;
   const Verdict verdict = end_before(problem, before, *part, after, branch);
-  returned_ = verdict == Verdict::stop;
+  const double end = branch.points.back().value;
+  if (verdict == Verdict::stop)
+    ending_ = {BranchStop::returned, end,
+               fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end)};
   return verdict;
 }
 
@@ -194,13 +197,30 @@ std::optional<Verdict> BranchFollower::end_at_equilibrium(OrbitProblem& problem,
   if (!hopf || std::abs(*hopf - problem.value(before.u)) > 2.0 * length * problem.scale())
     return length > shortest ? std::optional(Verdict::reject) : std::nullopt;
   const Verdict verdict = end_before(problem, before, *part, after, branch);
-  if (verdict == Verdict::stop) vanishes_at_ = hopf;
+  if (verdict == Verdict::stop)
+    ending_ = {BranchStop::equilibrium, *hopf,
+               fmt::format("the orbit shrinks to an equilibrium at {} = {:.12g} (a Hopf point)", branch.parameter, *hopf)};
   return verdict;
 }
 
+/// Ends the branch at its last point, where a chatter becomes complete or ceases to be.
+void BranchFollower::end_at_chatter(const Branch& branch) {
+  const BranchPoint& end = branch.points.back();
+  const bool sticks = end.isolated_impacts < end.impacts;
+  const std::string what =
+      end.impacts == 0 && holds_something(system_, end.signature.mode)
+          ? "what is held all along the orbits before is released there, and comes back to its stop by complete chatter"
+          : fmt::format("the chatter {} complete, and the mass {}", sticks ? "is no longer" : "becomes",
+                        sticks ? "does not stick beyond" : "sticks beyond");
+  ending_ = {BranchStop::chatter, end.value, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, what)};
+}
+
 bool BranchFollower::ends_at_image(const Branch& branch) {
-  image_beyond_ = passes_to_image(system_, symmetries_, branch);
-  return image_beyond_;
+  if (!passes_to_image(system_, symmetries_, branch)) return false;
+  ending_ = {BranchStop::returned, branch.points.back().value,
+             fmt::format("beyond the branch point at {} = {:.12g} lies the mirror image of this branch", branch.parameter,
+                         branch.special_points.back().value)};
+  return true;
 }
 
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
@@ -215,8 +235,9 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
   const bool plastic = switches && is_plastic(system_, problem.equations().parameters());
   if (hard_contacts_ && switches && !plastic) {
-    chatter_ends_ = after.arclength - before.arclength <= 1e-7;
-    return chatter_ends_ ? Verdict::stop : Verdict::reject;
+    if (after.arclength - before.arclength > 1e-7) return Verdict::reject;
+    end_at_chatter(branch);
+    return Verdict::stop;
   }
   // A step must not cross several grazings: it is halved until one remains or they cannot be separated. Contacts that graze
   // together (an orbit symmetric between two barriers) count as one.
@@ -276,7 +297,13 @@ Verdict BranchFollower::monitor_beyond_grazing(SignatureProblem& problem, const 
   }
   if (fastest_ < least_resolved_speed) return outside ? Verdict::stop : Verdict::reject;
   begin(problem, fastest_point_, branch);
-  if (outside) weak_up_to_ = std::clamp(value, low_, high_);
+  const double bound = std::clamp(value, low_, high_);
+  if (outside)
+    ending_ = {
+        BranchStop::reached_bound, bound,
+        fmt::format("the end of the range, {} = {:.12g}, was reached with an impact slower than {} all along; the orbit with "
+                    "the fastest is kept",
+                    branch.parameter, bound, least_kept_speed)};
   if (outside || reaches_grazing(problem, before, after, branch)) return Verdict::stop;
   branch.points.clear();
   branch.special_points.clear();
@@ -482,10 +509,9 @@ std::optional<BranchStart> BranchFollower::continuation_in_states(OrbitProblem& 
 
 std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) {
   symmetries_ = flight_symmetries(system_, branch.parameters);
-  interrupted_ = returned_ = image_beyond_ = chatter_ends_ = clear_of_soft_ = holds_more_ = false;
+  interrupted_ = clear_of_soft_ = holds_more_ = false;
   fastest_ = 0.0;
-  vanishes_at_.reset();
-  weak_up_to_.reset();
+  ending_.reset();
   refused_.reset();
   grazing_.reset();
   std::optional<BranchStart> by_events;
@@ -561,31 +587,9 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
   }
   if (interrupted_) {
     stop(BranchStop::interrupted, "it was interrupted");
-  } else if (returned_) {
-    stop(BranchStop::returned,
-         fmt::format("the doubled orbit has returned to its parent near {} = {:.12g}", branch.parameter, end.value));
-  } else if (image_beyond_) {
-    stop(BranchStop::returned, fmt::format("beyond the branch point at {} = {:.12g} lies the mirror image of this branch",
-                                           branch.parameter, branch.special_points.back().value));
-  } else if (vanishes_at_) {
-    branch.stop_value = *vanishes_at_;
-    stop(BranchStop::equilibrium,
-         fmt::format("the orbit shrinks to an equilibrium at {} = {:.12g} (a Hopf point)", branch.parameter, *vanishes_at_));
-  } else if (chatter_ends_) {
-    const bool sticks = end.isolated_impacts < end.impacts;
-    const std::string what =
-        end.impacts == 0 && holds_something(system_, end.signature.mode)
-            ? "what is held all along the orbits before is released there, and comes back to its stop by complete chatter"
-            : fmt::format("the chatter {} complete, and the mass {}", sticks ? "is no longer" : "becomes",
-                          sticks ? "does not stick beyond" : "sticks beyond");
-    stop(BranchStop::chatter, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, what));
-  } else if (weak_up_to_) {
-    branch.stop_value = *weak_up_to_;
-    stop(
-        BranchStop::reached_bound,
-        fmt::format("the end of the range, {} = {:.12g}, was reached with an impact slower than {} all along; the orbit with the "
-                    "fastest is kept",
-                    branch.parameter, *weak_up_to_, least_kept_speed));
+  } else if (ending_) {
+    branch.stop_value = ending_->value;
+    stop(ending_->reason, std::move(ending_->message));
   } else if (why == TraceStop::monitor) {
     stop(BranchStop::reached_bound, fmt::format("the end of the range, {} = {:.12g}, was reached", branch.parameter, end.value));
   } else if (why == TraceStop::closed) {

@@ -46,6 +46,7 @@ class BranchFollower {
   bool step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   void append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch);
   bool ends_at_image(const Branch& branch);
+  void end_at_chatter(const Branch& branch);
   std::optional<Verdict> end_at_equilibrium(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_signature(SignatureProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
@@ -84,23 +85,28 @@ class BranchFollower {
     std::vector<double> values;
   };
   EarlierValues earlier_;
-  bool interrupted_ = false, returned_ = false, image_beyond_ = false, chatter_ends_ = false;
+  bool interrupted_ = false;
+  /// The end that was met in the last step, if it is neither the end of the range nor a grazing.
+  struct Ending {
+    BranchStop reason;
+    double value;
+    std::string message;
+  };
+  std::optional<Ending> ending_;
   /// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
   struct Corner {
     double value, place;
     bool to_contact;
   };
-  bool clear_of_soft_ = false;         ///< nodes stay clear of soft contacts too
-  std::optional<Corner> corner_;       ///< set during a step around it
-  std::optional<double> vanishes_at_;  ///< the Hopf point at which the orbit shrinks to an equilibrium
-  bool section_blocked_ = false;       ///< an impact is too close to a node
-  bool holds_more_ = false;            ///< at the last step friction begins to hold a body all along
+  bool clear_of_soft_ = false;    ///< nodes stay clear of soft contacts too
+  std::optional<Corner> corner_;  ///< set during a step around it
+  bool section_blocked_ = false;  ///< an impact is too close to a node
+  bool holds_more_ = false;       ///< at the last step friction begins to hold a body all along
   std::optional<GrazingEnd> grazing_;
   // For a branch that starts on a grazing, until it has its first point:
   Vector beginning_;      ///< the grazing
   double fastest_ = 0.0;  ///< largest speed of the weakest impact so far
   Vector fastest_point_;
-  std::optional<double> weak_up_to_;                      ///< end of the range, if it was reached without a first point
   std::optional<SignatureEquations::Violation> refused_;  ///< why the last trial solution is no motion
 };
 

@@ -175,6 +175,18 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   return std::nullopt;
 }
 
+namespace {
+
+/// Whether the events of the orbit lead back to the mode in which it begins.
+bool returns_to_its_mode(const HybridSystem& system, const PeriodicOrbit& orbit) {
+  for (std::size_t k = 0; k < orbit.events.size(); ++k)
+    if (system.events[orbit.events[k].event].to != system.events[orbit.events[(k + 1) % orbit.events.size()].event].from)
+      return false;
+  return true;
+}
+
+}  // namespace
+
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options) {
   if (grazing.top_dp == 0.0 || !std::isfinite(grazing.top_dp)) return std::nullopt;
@@ -219,7 +231,9 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     BranchStart start{guess, {}, {}, {}, false, first_step};
     if (!guess.allFinite() || !correct(zero, problem.parameter_direction(), start.u, options).converged()) return std::nullopt;
     start.orientation = start.u - grazing.u;
-    if (problem.orbit(start.u).impacts != grazing.orbit.impacts + 1) return std::nullopt;
+    const PeriodicOrbit orbit = problem.orbit(start.u);
+    if (orbit.impacts != grazing.orbit.impacts + 1) return std::nullopt;
+    if (grazing.leads_away && !returns_to_its_mode(problem.system(), orbit)) return std::nullopt;
     return start;
   };
   // First order in the impact's speed (LocatedGrazing::response). A free motion amplifies errors by one over that speed; an

@@ -69,11 +69,14 @@ TEST_CASE("where a stop that has let go is met before the mass has left it the b
   CHECK(grazings[0].orbit.admissible == Admissibility::admissible);
   CHECK(text_detail(grazings[1], "kind") == "lost");
   CHECK(std::abs(grazings[1].value - 0.751175126353) < 1e-11);
+  // -3.3722959 at 0.75091649 and -3.4304918 at 0.75092; before the kink with the root of the distance.
   for (const BranchPoint& point : branch.points) {
     if (std::abs(point.value - grazings[0].value) > 1e-5) continue;
     INFO("w " << point.value);
-    const bool beyond = point.value > grazings[0].interval[1];
-    CHECK(point.multipliers.values[0].real() == Approx(beyond ? -3.43234 : -3.3725).epsilon(1e-3));
+    const double mu = point.multipliers.values[0].real();
+    const bool beyond = point.value >= grazings[0].interval[1];
+    CHECK((beyond ? mu < -3.425 : mu > -3.39));
+    CHECK((beyond ? mu > -3.433 : mu < -3.3719));
   }
 }
 
