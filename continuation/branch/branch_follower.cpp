@@ -215,14 +215,6 @@ void BranchFollower::end_at_chatter(const Branch& branch) {
   ending_ = {BranchStop::chatter, end.value, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, what)};
 }
 
-bool BranchFollower::ends_at_image(const Branch& branch) {
-  if (!passes_to_image(system_, symmetries_, branch)) return false;
-  ending_ = {BranchStop::returned, branch.points.back().value,
-             fmt::format("beyond the branch point at {} = {:.12g} lies the mirror image of this branch", branch.parameter,
-                         branch.special_points.back().value)};
-  return true;
-}
-
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
   if (interrupted_now()) return Verdict::stop;
   const std::optional<Verdict> end = end_of_range(problem, before, after);
@@ -266,7 +258,7 @@ Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& 
   if (auto kink = kink_in_step(problem, {before, branch.points.back()}, {after, point}, branch, options_.trace))
     met.push_back(std::move(*kink));
   if (!take(problem, before, after, std::move(point), std::move(met), branch)) return Verdict::reject;
-  if (end || ends_at_image(branch)) return Verdict::stop;
+  if (end) return Verdict::stop;
   section_blocked_ = better_section(problem, after.u) != problem.equations().section_phase();
   return section_blocked_ ? Verdict::stop : Verdict::go_on;
 }
@@ -322,7 +314,7 @@ Verdict BranchFollower::monitor_signature(SignatureProblem& problem, const Curve
   if (!point.multipliers.valid || leaves_branch(system_, symmetries_, branch, point)) return Verdict::reject;
   if (const auto verdict = end_at_half(problem, before, after, branch)) return *verdict;
   if (!take(problem, before, after, std::move(point), {}, branch)) return Verdict::reject;
-  return end || ends_at_image(branch) ? Verdict::stop : Verdict::go_on;
+  return end.value_or(Verdict::go_on);
 }
 
 /// Makes the last step onto the end of the range: if the model allows no value beyond it, no step leads across it.

@@ -45,7 +45,6 @@ class BranchFollower {
   Vector pin_what_is_held(OrbitProblem& problem);
   bool step_over_kink(OrbitProblem& problem, Branch& branch, CurvePoint& last);
   void append_beyond_kink(OrbitProblem& problem, const Vector& u, BranchPoint point, bool goes_on, Branch& branch);
-  bool ends_at_image(const Branch& branch);
   void end_at_chatter(const Branch& branch);
   std::optional<Verdict> end_at_equilibrium(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);
   Verdict monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch);

@@ -30,34 +30,25 @@ bool may_be_symmetric(const Signature& signature) {
   return true;
 }
 
-/// The difference of the orbit from its mirror image. The image is taken half its (odd) period later if the symmetry has a shift;
-/// without forcing at once or half its period later, whichever is nearer. Empty if the motion cannot be carried there.
-Vector image_difference(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& point) {
+/// Distance of the orbit from its mirror image, relative to 1 + |x|. The image is taken half its (odd) period later if the
+/// symmetry has a shift; without forcing at once or half its period later, whichever is nearer. NaN if the motion cannot be
+/// carried there.
+double asymmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& point) {
   Vector p = branch.parameters;
   p[static_cast<Eigen::Index>(parameter_index(system.parameters, branch.parameter))] = point.value;
   Propagator propagator(system, p);
+  const auto distance = [&](const Vector& image) {
+    return (image - point.state()).lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
+  };
   const std::size_t half = symmetry.shift == 0.0 ? 0 : static_cast<std::size_t>(branch.period / 2);
   const auto mirrored = mirrored_state(propagator, symmetry, point.states[half]);
-  if (!mirrored) return {};
-  const Vector at_once = *mirrored - point.state();
-  if (is_forced(system)) return at_once;
+  if (!mirrored) return std::nan("");
+  if (is_forced(system)) return distance(*mirrored);
   Transition transition;
   carry(propagator, 0.0, 0.5 * point.duration, *mirrored, {.sensitivity = Sensitivity::none}, transition);
-  if (transition.termination != Termination::time) return {};
-  const Vector later = transition.x1 - point.state();
-  return later.lpNorm<Eigen::Infinity>() < at_once.lpNorm<Eigen::Infinity>() ? later : at_once;
+  if (transition.termination != Termination::time) return std::nan("");
+  return std::min(distance(*mirrored), distance(transition.x1));
 }
-
-/// Its size, relative to 1 + |x|; NaN if it is empty.
-double asymmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& point) {
-  const Vector difference = image_difference(system, symmetry, branch, point);
-  if (difference.size() == 0) return std::nan("");
-  return difference.lpNorm<Eigen::Infinity>() / (1.0 + point.state().lpNorm<Eigen::Infinity>());
-}
-
-/// A sufficiently small step ends between these two bounds where symmetry is lost without a branch point: through the parameter
-/// itself, or at a branch point that was met exactly.
-constexpr double symmetric = 1e-8, broken = 1e-5;
 
 bool skips_bifurcation(const BranchPoint& last, const BranchPoint& next) {
   const auto a = unstable_kinds(last), b = unstable_kinds(next);
@@ -68,6 +59,9 @@ bool skips_bifurcation(const BranchPoint& last, const BranchPoint& next) {
 }
 
 bool changes_symmetry(const HybridSystem& system, const Symmetry& symmetry, const Branch& branch, const BranchPoint& next) {
+  // A sufficiently small step ends between these two bounds where symmetry is lost without a branch point: through the
+  // parameter itself, or at a branch point that was met exactly.
+  constexpr double symmetric = 1e-8, broken = 1e-5;
   const BranchPoint& last = branch.points.back();
   if (last.signature.events.size() != next.signature.events.size()) return false;
   if (symmetry.shift != 0.0) {
@@ -86,21 +80,6 @@ bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetr
   return skips_bifurcation(branch.points.back(), next) ||
          std::any_of(symmetries.begin(), symmetries.end(),
                      [&](const Symmetry& symmetry) { return changes_symmetry(system, symmetry, branch, next); });
-}
-
-bool passes_to_image(const HybridSystem& system, std::span<const Symmetry> symmetries, const Branch& branch) {
-  const std::size_t count = branch.points.size();
-  const bool met =
-      count > 1 && std::any_of(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& point) {
-        return point.type == PointType::BP && point.after_point == count - 2;
-      });
-  if (!met) return false;
-  return std::any_of(symmetries.begin(), symmetries.end(), [&](const Symmetry& symmetry) {
-    if (symmetry.shift != 0.0 && branch.period % 2 == 0) return false;
-    const BranchPoint &before = branch.points[count - 2], &after = branch.points[count - 1];
-    return asymmetry(system, symmetry, branch, before) > broken &&
-           zero_crossing(image_difference(system, symmetry, branch, before), image_difference(system, symmetry, branch, after));
-  });
 }
 
 std::optional<double> zero_crossing(const Vector& a, const Vector& b) {

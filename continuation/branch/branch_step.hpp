@@ -21,10 +21,6 @@ namespace graze {
 bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetries, const Branch& branch,
                    const BranchPoint& next);
 
-/// True if the last step of a branch of broken symmetry led through a branch point with symmetric orbits: beyond it lies the
-/// mirror image of the branch itself.
-bool passes_to_image(const HybridSystem& system, std::span<const Symmetry> symmetries, const Branch& branch);
-
 /// The place at which a quantity that is continuous along the branch passes zero in a step, from its values `before` and `after`,
 /// as a fraction of the step. A doubled branch passes through the orbit of half its period where the difference of the orbit's
 /// halves is zero, and a branch of an autonomous system through an equilibrium where the field is. Empty if it does not, or if a

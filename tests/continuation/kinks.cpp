@@ -91,25 +91,6 @@ TEST_CASE("a branch does not turn back along itself where a kink lies close behi
   for (const SpecialPoint& point : points_of(branch, PointType::GR)) CHECK(text_detail(point, "scenario") != "nonsmooth-fold");
 }
 
-TEST_CASE("a branch of broken symmetry ends at the branch point beyond which its own mirror image lies") {
-  const HybridSystem system = with_friction("0.35", "1", "0", "mu/(1 + 0.3*u)", {});
-  const Vector p = parameters(system);
-  const PeriodicOrbit orbit = shoot(system, p, settle(system, p, vector({0.0, 0.0})).state, 1);
-  REQUIRE(orbit.converged());
-  ContinuationOptions options;
-  options.parameter = "w";
-  options.from = 0.35;
-  options.to = 0.6;
-  const std::vector<Branch> branches = continue_orbit(system, orbit, options);
-  REQUIRE(branches.size() == 2);
-  CHECK(points_of(branches[0], PointType::BP).size() == 2);
-  CHECK(branches[1].stop == BranchStop::returned);
-  CHECK(branches[1].mirrored);
-  const auto kinks = points_of(branches[1], PointType::GR);
-  for (std::size_t i = 0; i < kinks.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) CHECK(std::abs(kinks[i].value - kinks[k].value) > 1e-6);
-}
-
 TEST_CASE("a contact in which friction stops the mass begins and ends at one grazing, whichever side it is met from (fixed)") {
   const HybridSystem system = with_friction("0.8", "1.5", "0.05", "mu", {"30", "1.5"});
   constexpr double grazing = 1.24776435988;
