@@ -63,7 +63,7 @@ CHAOS = {
 # grazes near its folds: there the step is smaller.
 BRANCHES = {
     "beam-two-stops": (["--to", "1", "--switch", "0"], 2, {}, DIFFERENCE),
-    "capsule": (["--to", "0.5", "--switch", "0"], 10, {}, 2e-6),
+    "capsule": (["--to", "0.5", "--switch", "0"], 11, {}, 2e-6),
     "coco-impact-oscillator": (["--param", "A", "--to", "0.09"], 2, {"LP1": 0.0999707536283, "GR1": 0.1}, 2e-7),
     "coco-stick-slip": (["--param", "V", "--from", "0.5", "--to", "0.6", "--settle", "1000"], 1, {}, DIFFERENCE),
     "coco-bang-bang-duffing": (["--to", "0.84", "--switch", "0"], 2, {}, DIFFERENCE),
