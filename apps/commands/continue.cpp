@@ -19,7 +19,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -148,11 +147,7 @@ int run(const ContinueArguments& given, const Console& console) {
   const std::vector<Cascade> doublings = cascades(branches);
   result.json["cascades"] = json_of(doublings);
   result.text += cascades_text(doublings, options.parameter);
-  if (!found.orbits.empty()) {
-    std::vector<std::string> notes = order_notes(problem, found.orbits.front().events);
-    std::ranges::copy(size_notes(found.orbits.front()), std::back_inserter(notes));
-    add_notes(result, notes);
-  }
+  if (!found.orbits.empty()) add_notes(result, branch_notes(problem, found.orbits.front()));
   result.table = branches_table(problem, branches, measured);
   if (status != Status::done) console.err << "graze continue: " << message << "\n";
   return deliver(result, options.output, "continue", exit_code(status), console);

@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <stdexcept>
 
@@ -228,9 +227,7 @@ int run(const LocateArguments& given, const Console& console) {
     if (!message.empty()) result.text += "\n" + message + "\n";
     Problem at_point = problem;
     at_point.parameters = point->orbit.parameters;
-    std::vector<std::string> notes = order_notes(at_point, point->orbit.events);
-    std::ranges::copy(size_notes(point->orbit), std::back_inserter(notes));
-    add_notes(result, notes);
+    add_notes(result, branch_notes(at_point, point->orbit));
     result.table = orbits_table(problem, {point->orbit}, false, {measured});
     const auto stable =
         std::find(result.table.columns.begin(), result.table.columns.end(), "stable") - result.table.columns.begin();

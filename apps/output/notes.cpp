@@ -61,16 +61,19 @@ std::vector<std::string> order_notes(const Problem& problem, const std::string& 
   return {};
 }
 
-std::vector<std::string> size_notes(const PeriodicOrbit& orbit) {
+std::vector<std::string> branch_notes(const Problem& problem, const PeriodicOrbit& orbit) {
   constexpr double small = 0.01;
+  std::vector<std::string> notes = order_notes(problem, orbit.events);
   double size = 0.0;
   for (const Vector& state : orbit.states) size = std::max(size, state.lpNorm<Eigen::Infinity>());
   for (const EventRecord& event : orbit.events) size = std::max(size, event.x_minus.lpNorm<Eigen::Infinity>());
-  if (size == 0.0 || size >= small) return {};
-  return {fmt::format(
-      "the states of the orbit are of size {:.0e}, but tolerances are relative to 1 + |x|: branches may miss points or "
-      "end falsely; with other units of length and time, in which states are of order 1, they do not",
-      size)};
+  if (size > 0.0 && size < small)
+    notes.push_back(
+        fmt::format("the states of the orbit are of size {:.0e}, but tolerances are relative to 1 + |x|: branches may "
+                    "miss points or end falsely; with other units of length and time, in which states are of order 1, "
+                    "they do not",
+                    size));
+  return notes;
 }
 
 void add_notes(Result& result, const std::vector<std::string>& notes) {

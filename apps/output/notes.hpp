@@ -22,8 +22,9 @@ std::vector<std::string> order_notes(const Problem& problem, const Vector& state
 /// The same for the first row of a sweep that has such events.
 std::vector<std::string> order_notes(const Problem& problem, const std::string& parameter, const std::vector<SweepRow>& rows);
 
-/// A note if an orbit is so small that tolerances relative to 1 + |x| are coarse for it; none for a single point.
-std::vector<std::string> size_notes(const PeriodicOrbit& orbit);
+/// Notes on an orbit from which a branch is followed: on its events, and if it is so small that tolerances relative to 1 + |x|
+/// are coarse for it (not if it is a single point).
+std::vector<std::string> branch_notes(const Problem& problem, const PeriodicOrbit& orbit);
 
 /// Adds "notes" to the JSON and one line each to the text; nothing if there are none.
 void add_notes(Result& result, const std::vector<std::string>& notes);

@@ -175,18 +175,6 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   return std::nullopt;
 }
 
-namespace {
-
-/// Whether the events of the orbit lead back to the mode in which it begins.
-bool returns_to_its_mode(const HybridSystem& system, const PeriodicOrbit& orbit) {
-  for (std::size_t k = 0; k < orbit.events.size(); ++k)
-    if (system.events[orbit.events[k].event].to != system.events[orbit.events[(k + 1) % orbit.events.size()].event].from)
-      return false;
-  return true;
-}
-
-}  // namespace
-
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options) {
   if (grazing.top_dp == 0.0 || !std::isfinite(grazing.top_dp)) return std::nullopt;
@@ -233,7 +221,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     start.orientation = start.u - grazing.u;
     const PeriodicOrbit orbit = problem.orbit(start.u);
     if (orbit.impacts != grazing.orbit.impacts + 1) return std::nullopt;
-    if (grazing.leads_away && !returns_to_its_mode(problem.system(), orbit)) return std::nullopt;
+    if (grazing.leads_away && first_break(problem.system(), orbit.signature.events)) return std::nullopt;
     return start;
   };
   // First order in the impact's speed (LocatedGrazing::response). A free motion amplifies errors by one over that speed; an

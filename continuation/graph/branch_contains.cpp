@@ -84,10 +84,9 @@ OrbitShape shape_of(const HybridSystem& system, const Vector& p, const BranchPoi
 /// Whether the nodes are all events of the orbit, so that they can be coordinates.
 bool has_all_events(const HybridSystem& system, const OrbitShape& shape) {
   if (!shape.by_events(system)) return true;
-  for (std::size_t k = 0; k < shape.nodes.size(); ++k)
-    if (system.events[shape.nodes[k].event].to != system.events[shape.nodes[(k + 1) % shape.nodes.size()].event].from)
-      return false;
-  return true;
+  std::vector<std::size_t> events;
+  for (const OrbitShape::Node& node : shape.nodes) events.push_back(node.event);
+  return !first_break(system, events);
 }
 
 /// Converts the times of an autonomous orbit to units of its own duration: its number of returns is a convention.

@@ -12,6 +12,12 @@ int impacts(const HybridSystem& system, const Signature& signature) {
                                         [&](std::size_t event) { return begins_contact(system.events[event].kind); }));
 }
 
+std::optional<std::size_t> first_break(const HybridSystem& system, const std::vector<std::size_t>& events) {
+  for (std::size_t k = 0; k < events.size(); ++k)
+    if (system.events[events[k]].to != system.events[events[(k + 1) % events.size()]].from) return k;
+  return std::nullopt;
+}
+
 std::string label(int impacts, int period) { return fmt::format("{}/{}", impacts, period); }
 
 std::string label(int impacts, int isolated, int period) {

@@ -4,6 +4,7 @@
 
 #include <graze/lib/system/hybrid_system.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,10 @@ struct Signature {
 
 /// Number of impacts (hard) or entries into contact (soft).
 int impacts(const HybridSystem& system, const Signature& signature);
+
+/// The first of these events of an orbit that does not lead to the mode in which the next one can follow (the last one: to that
+/// of the first). Empty if all do: they are all events of an orbit.
+std::optional<std::size_t> first_break(const HybridSystem& system, const std::vector<std::size_t>& events);
 
 /// "p/n".
 std::string label(int impacts, int period);

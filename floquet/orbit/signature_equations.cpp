@@ -42,12 +42,10 @@ SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector&
     throw std::invalid_argument("a signature with fixed period needs a forced system; this one is autonomous");
   if (free_.empty()) throw std::invalid_argument("no free parameter was given; give at least one");
   if (sequence_.empty()) throw std::invalid_argument("a signature without events has no nodes; use ShootingEquations");
-  for (int k = 0; k < this->events(); ++k) {
-    const Event& next = event((k + 1) % this->events());
-    if (next.from != event(k).to)
-      throw std::invalid_argument(
-          fmt::format("event {} does not lead to the mode in which event {} can follow", event(k).name, next.name));
-  }
+  if (const auto k = first_break(system, sequence_))
+    throw std::invalid_argument(fmt::format("event {} does not lead to the mode in which event {} can follow",
+                                            system.events[sequence_[*k]].name,
+                                            system.events[sequence_[(*k + 1) % sequence_.size()]].name));
   held_ = held_all_along(system, sequence_);
 }
 
