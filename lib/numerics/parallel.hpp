@@ -9,6 +9,11 @@
 #include <algorithm>
 #include <cstddef>
 
+#ifdef __SANITIZE_THREAD__
+extern "C" void __tsan_acquire(void*);
+extern "C" void __tsan_release(void*);
+#endif
+
 namespace graze {
 
 /// Number of threads available here. (An arena ignores the global limit.)
@@ -21,11 +26,31 @@ inline std::size_t available_threads() {
 /// n / by, rounded up: number of parts of a given size, or size of a given number of parts.
 constexpr std::size_t divide_rounding_up(std::size_t n, std::size_t by) { return (n + by - 1) / by; }
 
+/// Tells ThreadSanitizer that what one thread wrote before give() another may read after take(): it does not see how oneTBB
+/// synchronises its threads.
+struct Handover {
+#ifdef __SANITIZE_THREAD__
+  void give() const { __tsan_release(const_cast<Handover*>(this)); }
+  void take() const { __tsan_acquire(const_cast<Handover*>(this)); }
+#else
+  void give() const {}
+  void take() const {}
+#endif
+};
+
 /// Calls body(0) ... body(n - 1) in any order. A thread that waits for the rest takes no other work meanwhile, because it would
 /// have to finish that first.
 template <class Body> void in_parallel(std::size_t n, const Body& body) {
   if (n == 1) return body(std::size_t{0});
-  oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, n, body); });
+  const Handover begin, end;
+  const auto one = [&](std::size_t i) {
+    begin.take();
+    body(i);
+    end.give();
+  };
+  begin.give();
+  oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, n, one); });
+  end.take();
 }
 
 /// The same on all threads, or in order on this one.

@@ -22,7 +22,7 @@ struct Row {
 
 }  // namespace
 
-TEST_CASE("lanes and Propagator agree for cantilevers") {
+TEST_CASE("lanes and Propagator agree for cantilevers", "[sanitized]") {
   const Row row =
       GENERATE(Row{"newton", "k_r", 1.0}, Row{"newton", "k_r", 0.6}, Row{"hertz", "b_H", 0.0}, Row{"hertz", "b_H", 0.1},
                Row{"linear", "k_S", 0.5}, Row{"linear", "k_S", 25.0}, Row{"linear", "k_S", 5000.0});
@@ -52,7 +52,7 @@ TEST_CASE("lanes and Propagator agree for cantilevers") {
   CHECK(static_cast<double>(many.left_over()) < (dissipative ? 0.3 : 0.05) * static_cast<double>(many.carried()));
 }
 
-TEST_CASE("lanes and general flow agree for cantilevers") {
+TEST_CASE("lanes and general flow agree for cantilevers", "[sanitized]") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = cantilever(law);
   const Vector p = parameters(system, {{"eta", 0.554}, {"b", 0.026}, {"xi", 0.08}, {"r", 0.079}});
@@ -69,7 +69,7 @@ TEST_CASE("lanes and general flow agree for cantilevers") {
   CHECK(worst.impacts == 0);
 }
 
-TEST_CASE("lanes miss no impact of a cantilever near grazing") {
+TEST_CASE("lanes miss no impact of a cantilever near grazing", "[sanitized]") {
   // The turning point of a free motion from rest. The barrier lies just beyond it, or just short of it.
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = cantilever(law);
@@ -94,7 +94,7 @@ TEST_CASE("lanes miss no impact of a cantilever near grazing") {
   check_near_grazing(system, sets, starts, 2);
 }
 
-TEST_CASE("linear oscillators and cantilevers share the lanes") {
+TEST_CASE("linear oscillators and cantilevers share the lanes", "[sanitized]") {
   const HybridSystem system = cantilever("newton");
   std::vector<Vector> sets;
   LaneCarrier many(system);
@@ -112,7 +112,7 @@ TEST_CASE("linear oscillators and cantilevers share the lanes") {
   CHECK(many.left_over() < many.carried() / 20);
 }
 
-TEST_CASE("lanes leave chattering, escaping and inadmissible cantilevers to the Propagator") {
+TEST_CASE("lanes leave chattering, escaping and inadmissible cantilevers to the Propagator", "[sanitized]") {
   const HybridSystem system = cantilever("newton");
   const std::vector<Vector> sets = {parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}}),
                                     parameters(system, {{"eta", 0.7}, {"beta", -1.0}, {"r", 0.3}})};
@@ -132,7 +132,7 @@ TEST_CASE("lanes leave chattering, escaping and inadmissible cantilevers to the 
   CHECK(results[3 * 6].termination == Termination::escape);
 }
 
-TEST_CASE("lanes report too many impacts in a period of a cantilever") {
+TEST_CASE("lanes report too many impacts in a period of a cantilever", "[sanitized]") {
   // Fixed: the lanes carried a period with more impacts than the Propagator allows, however long it took.
   using Values = std::vector<std::pair<const char*, double>>;
   const auto [law, values, x] = GENERATE(table<const char*, Values, double>(

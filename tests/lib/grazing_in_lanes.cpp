@@ -12,7 +12,7 @@
 using namespace graze;
 using namespace graze::support;
 
-TEST_CASE("lanes miss no impact near grazing") {
+TEST_CASE("lanes miss no impact near grazing", "[sanitized]") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = make_oscillator("linear", law);
   // The impactless orbit with its amplitude from just below the barrier to just above, and motions close to it.
@@ -30,7 +30,7 @@ TEST_CASE("lanes miss no impact near grazing") {
   check_near_grazing(system, sets, starts, 3);
 }
 
-TEST_CASE("lanes miss no impact between the points of their grid") {
+TEST_CASE("lanes miss no impact between the points of their grid", "[sanitized]") {
   const char* law = GENERATE("newton", "hertz", "linear");
   // Weak damping above resonance: x has its maxima against the forcing, with the largest curvature possible at the barrier.
   // Transients beside it shift the maxima between the points of the grid, from below the barrier to above it.

@@ -130,7 +130,7 @@ TEST_CASE("motions that join others in the lanes have the same results") {
   }
 }
 
-TEST_CASE("a motion of another kind of flight or with a pending table of contacts does not join") {
+TEST_CASE("a motion of another kind of flight or with a pending table of contacts does not join", "[sanitized]") {
   const HybridSystem system = make_oscillator("cantilever", "hertz");
   const Vector cubic = parameters(system, {{"eta", 0.711}, {"r", 0.5}});
   Vector linear = cubic;

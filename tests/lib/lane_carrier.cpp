@@ -22,7 +22,7 @@ HybridSystem oscillator(const char* law) { return make_oscillator("linear", law)
 
 }  // namespace
 
-TEST_CASE("lanes and Propagator agree") {
+TEST_CASE("lanes and Propagator agree", "[sanitized]") {
   const auto [law, parameter, value] = GENERATE(table<const char*, const char*, double>({{"newton", "k_r", 1.0},
                                                                                          {"newton", "k_r", 0.6},
                                                                                          {"hertz", "b_H", 0.0},
@@ -75,7 +75,7 @@ TEST_CASE("lanes of any width give identical bits") {
   }
 }
 
-TEST_CASE("lanes on all threads give identical bits") {
+TEST_CASE("lanes on all threads give identical bits", "[threads]") {
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = oscillator(law);
   const auto starts = random_starts(61, 2.0, 3);
@@ -89,7 +89,7 @@ TEST_CASE("lanes on all threads give identical bits") {
   CHECK(same_bits(one, several));
 }
 
-TEST_CASE("a motion in lanes does not depend on the other motions") {
+TEST_CASE("a motion in lanes does not depend on the other motions", "[sanitized]") {
   const HybridSystem system = oscillator("hertz");
   LaneCarrier many(system);
   many.add_parameters(parameters(system, {{"eta", 0.711}, {"b_H", 0.1}}));
@@ -127,7 +127,7 @@ TEST_CASE("a motion in lanes does not depend on the division of its periods betw
   CHECK((in_contact > 20) == (law != "newton"));  // periods that end in contact
 }
 
-TEST_CASE("lanes leave chattering, sticking and inadmissible motions to the Propagator") {
+TEST_CASE("lanes leave chattering, sticking and inadmissible motions to the Propagator", "[sanitized]") {
   const HybridSystem system = oscillator("newton");
   const std::vector<Vector> sets = {parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}})};
   LaneCarrier many(system);
@@ -147,7 +147,7 @@ TEST_CASE("lanes leave chattering, sticking and inadmissible motions to the Prop
   }
 }
 
-TEST_CASE("a contact may begin and end with a period in lanes") {
+TEST_CASE("a contact may begin and end with a period in lanes", "[sanitized]") {
   const HybridSystem system = oscillator(GENERATE("hertz", "linear"));
   const std::vector<Vector> sets = {parameters(system, {{"eta", 0.95}})};
   LaneCarrier many(system);
@@ -162,7 +162,7 @@ TEST_CASE("a contact may begin and end with a period in lanes") {
   CHECK(worst.impacts == 0);
 }
 
-TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions") {
+TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions", "[sanitized]") {
   // Grids of 3 to 700 cells a period, with angles within a cell up to its bound for either frequency.
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = oscillator(law);
@@ -213,7 +213,7 @@ TEST_CASE("strongly damped contacts in lanes agree with the Propagator") {
   CHECK(many.left_over() < many.carried() / 4);
 }
 
-TEST_CASE("a contact may reduce a disturbance to zero and the motion continues") {
+TEST_CASE("a contact may reduce a disturbance to zero and the motion continues", "[sanitized]") {
   // Half of its divergence is -1356: exp(-1356) is below the smallest double.
   const HybridSystem system = oscillator("hertz");
   const std::vector<Vector> sets = {parameters(
@@ -230,7 +230,7 @@ TEST_CASE("a contact may reduce a disturbance to zero and the motion continues")
   CHECK(worst.tangent < 1e-12);
 }
 
-TEST_CASE("systems that the lanes do not support are reported") {
+TEST_CASE("systems that the lanes do not support are reported", "[sanitized]") {
   FlowOptions general;
   general.kind = FlowKind::general;
   const HybridSystem newton = oscillator("newton"), beam = make_oscillator("cantilever", "newton"),
@@ -255,7 +255,7 @@ TEST_CASE("systems that the lanes do not support are reported") {
   CHECK_THROWS_WITH(none.carry({{0, 0.0, 0.0}}, 1, false, results), Catch::Contains("0 were added"));
 }
 
-TEST_CASE("a period in a single lane consists of flights and impacts") {
+TEST_CASE("a period in a single lane consists of flights and impacts", "[sanitized]") {
   const HybridSystem system = oscillator("newton");
   for (const double k_r : {1.0, 0.7, 0.0}) {
     const Vector p = parameters(system, {{"eta", 0.711}, {"k_r", k_r}});
@@ -279,7 +279,7 @@ TEST_CASE("a period in a single lane consists of flights and impacts") {
   }
 }
 
-TEST_CASE("lanes continue after starts inside the barrier") {
+TEST_CASE("lanes continue after starts inside the barrier", "[sanitized]") {
   // Fixed: when every lane had such a start, all later motions were left to the Propagator.
   const HybridSystem system = oscillator("newton");
   LaneCarrier many(system, {}, LaneWidth::one);
@@ -294,7 +294,7 @@ TEST_CASE("lanes continue after starts inside the barrier") {
   }
 }
 
-TEST_CASE("a few motions use fewer lanes with the same results") {
+TEST_CASE("a few motions use fewer lanes with the same results", "[sanitized]") {
   const auto [law, periods] = GENERATE(table<const char*, std::size_t>({{"newton", 40}, {"hertz", 20}}));
   const HybridSystem system = oscillator(law);
   const Vector p = parameters(system, {{"r", 1.5}, {"eta", 0.8}});
@@ -315,7 +315,7 @@ TEST_CASE("a few motions use fewer lanes with the same results") {
   }
 }
 
-TEST_CASE("lanes record the speeds of impacts and of entries into contact") {
+TEST_CASE("lanes record the speeds of impacts and of entries into contact", "[sanitized]") {
   const auto [model, law] = GENERATE(table<const char*, const char*>({{"linear", "newton"},
                                                                       {"linear", "hertz"},
                                                                       {"linear", "linear"},

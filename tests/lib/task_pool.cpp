@@ -44,7 +44,7 @@ MotionTask<> ask_twice(TaskSlot& lane, const Vector& p, int number, int& alive, 
 
 }  // namespace
 
-TEST_CASE("computations in a pool give the results of each alone") {
+TEST_CASE("computations in a pool give the results of each alone", "[threads]") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   const std::size_t count = GENERATE(1, 20, 300);  // more than run at a time
@@ -82,7 +82,7 @@ MotionTask<> go_through(TaskSlot& lane, std::vector<Vector> sets, std::vector<Pe
 
 }  // namespace
 
-TEST_CASE("parameters that change while others are carried are read again") {
+TEST_CASE("parameters that change while others are carried are read again", "[sanitized]") {
   const HybridSystem system = make_oscillator("linear", "newton");
   constexpr std::size_t changes = 50;
   // With 3, a lane gets its previous computation; with 40, another one.
@@ -111,7 +111,7 @@ TEST_CASE("parameters that change while others are carried are read again") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a computation in a pool requests several motions and some of them end") {
+TEST_CASE("a computation in a pool requests several motions and some of them end", "[sanitized]") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.711}, {"r", 0.3}});
   LaneCarrier many(system);
@@ -137,7 +137,7 @@ TEST_CASE("a computation in a pool requests several motions and some of them end
   }
 }
 
-TEST_CASE("computations wait for each other and an exception in one ends the pool") {
+TEST_CASE("computations wait for each other and an exception in one ends the pool", "[threads]") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {});
   LaneCarrier many(system);
@@ -152,7 +152,7 @@ TEST_CASE("computations wait for each other and an exception in one ends the poo
   pool.run(0, [&](std::size_t i, TaskSlot& lane) { return ask_twice(lane, p, static_cast<int>(i), alive, sum); });
 }
 
-TEST_CASE("a task carries its motions in lanes or by a Propagator with the same results") {
+TEST_CASE("a task carries its motions in lanes or by a Propagator with the same results", "[sanitized]") {
   const char* law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   const Vector p = parameters(system, {{"eta", 0.93}}), overdamped = parameters(system, {{"b", 1.1}, {"eta", 0.93}});
@@ -193,7 +193,7 @@ TEST_CASE("a task carries its motions in lanes or by a Propagator with the same 
   CHECK((other.states.back() - alone.states.back()).norm() > 1e-3);
 }
 
-TEST_CASE("the periods of a motion that ends have the termination of its end") {
+TEST_CASE("the periods of a motion that ends have the termination of its end", "[sanitized]") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector inside_barrier{{5.0, 0.0}}, rest{{0.0, 0.0}};
   run_alone(system, {}, [&](TaskSlot& slot) -> MotionTask<> {
@@ -239,7 +239,7 @@ TEST_CASE("with a table of contacts the result of a computation does not depend 
   }
 }
 
-TEST_CASE("an urgent computation is served every round among many of the other kind") {
+TEST_CASE("an urgent computation is served every round among many of the other kind", "[threads]") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {});
   std::size_t tangents = 0, before = 0;

@@ -100,7 +100,7 @@ TEST_CASE("an observer gets the periods it requests and those that end in an ell
   }
 }
 
-TEST_CASE("an observer receives a failed period and the periods left to the Propagator") {
+TEST_CASE("an observer receives a failed period and the periods left to the Propagator", "[sanitized]") {
   const HybridSystem system = make_oscillator("linear", "newton");
   const Vector p = parameters(system, {{"eta", 0.2}, {"r", 0.3}, {"k_r", 0.5}});  // the mass sticks
   const std::vector<MotionStart> starts = {{0, 0.0, 0.0}, {0, 0.4, 0.0}, {0, 0.3, -0.5}};

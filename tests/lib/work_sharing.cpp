@@ -75,7 +75,7 @@ class TwoPools {
 
 }  // namespace
 
-TEST_CASE("an idle pool gets half of the computations of another with the same results") {
+TEST_CASE("an idle pool gets half of the computations of another with the same results", "[threads]") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   constexpr std::size_t count = 60;
