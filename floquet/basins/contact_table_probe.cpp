@@ -32,11 +32,9 @@ std::vector<MotionStart> ends_of(const std::vector<PeriodResult>& results, std::
 }  // namespace
 
 ContactTableProbe::ContactTableProbe(const HybridSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow)
-    : system_(system), p_(p), flow_(flow) {
-  if (!LaneCarrier::applies(system, p, flow)) return;
-  many_ = std::make_unique<LaneCarrier>(system, flow);
+    : system_(system), p_(p), flow_(flow), many_(make_lane_carrier(system, {&p, 1}, flow)) {
+  if (!many_) return;
   many_->use_all_threads();
-  many_->add_parameters(p);
   constexpr std::size_t first = 64, stretch = LaneCarrier::periods_between_looks, most_stretches = 4;
   const auto count = static_cast<std::size_t>(starts.cols());
   constexpr std::size_t longest = VisitedCells::window;  // until a chaotic motion is recognised

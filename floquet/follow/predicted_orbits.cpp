@@ -86,20 +86,19 @@ MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t pa
 
 std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
                                              const std::vector<Vector>& next, const FlowOptions& flow) {
-  const auto known = [&](const Vector& p) { return LaneCarrier::applies(system, p, flow); };
-  if (before.size() < 2 || !std::all_of(next.begin(), next.end(), known)) return {};
+  if (before.size() < 2) return {};
+  const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, next, flow);
+  if (!many) return {};
   const Extrapolation extrapolation(before);
-  LaneCarrier many(system, flow);
   std::vector<LaneGuess> guesses;
-  for (std::size_t i = 0; i < next.size(); ++i)
-    guesses.push_back(guess_of(many.add_parameters(next[i]), extrapolation.at(i + 1)));
-  std::vector<LaneOrbit> found = shoot_together(many, guesses, patience);
+  for (std::size_t i = 0; i < next.size(); ++i) guesses.push_back(guess_of(i, extrapolation.at(i + 1)));
+  std::vector<LaneOrbit> found = shoot_together(*many, guesses, patience);
   const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
   found.erase(missing, found.end());
   std::vector<PredictedOrbit> reached(found.size());
-  TaskPool(many).run(found.size(), [&](std::size_t i, TaskSlot& lane) {
+  TaskPool(*many).run(found.size(), [&](std::size_t i, TaskSlot& lane) {
     const Vector from = i == 0 ? before.back().front() : vector_of(found[i - 1].states.front());
-    return approach(lane, system, guesses[i].parameters, next[i], found[i], from, reached[i]);
+    return approach(lane, system, i, next[i], found[i], from, reached[i]);
   });
   const auto not_reached = [](const PredictedOrbit& ahead) { return ahead.orbit.states.empty(); };
   reached.erase(std::find_if(reached.begin(), reached.end(), not_reached), reached.end());

@@ -204,16 +204,15 @@ std::vector<LaneOrbit> shoot_together(LaneCarrier& many, const std::vector<LaneG
 std::vector<LaneOrbit> shoot_together(const HybridSystem& system, const Vector& p,
                                       const std::vector<std::vector<Vector>>& guesses, LanePatience patience,
                                       const FlowOptions& flow, bool all_threads) {
-  if (!LaneCarrier::applies(system, p, flow)) return {};
-  LaneCarrier many(system, flow);
-  if (all_threads) many.use_all_threads();
-  const std::size_t set = many.add_parameters(p);
+  const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, {&p, 1}, flow);
+  if (!many) return {};
+  if (all_threads) many->use_all_threads();
   std::vector<LaneGuess> in_lanes;
   for (const std::vector<Vector>& guess : guesses) {
-    LaneGuess& next = in_lanes.emplace_back(LaneGuess{set, {}});
+    LaneGuess& next = in_lanes.emplace_back(LaneGuess{});
     std::transform(guess.begin(), guess.end(), std::back_inserter(next.states), pair_of);
   }
-  return shoot_together(many, in_lanes, patience);
+  return shoot_together(*many, in_lanes, patience);
 }
 
 }  // namespace graze

@@ -78,6 +78,15 @@ LaneCarrier::LaneCarrier(const HybridSystem& system, const FlowOptions& options,
   validate(options);
 }
 
+std::unique_ptr<LaneCarrier> make_lane_carrier(const HybridSystem& system, std::span<const Vector> sets,
+                                               const FlowOptions& options) {
+  const auto supported = [&](const Vector& p) { return LaneCarrier::applies(system, p, options); };
+  if (!std::all_of(sets.begin(), sets.end(), supported)) return nullptr;
+  auto carrier = std::make_unique<LaneCarrier>(system, options);
+  for (const Vector& p : sets) carrier->add_parameters(p);
+  return carrier;
+}
+
 LaneCarrier::~LaneCarrier() = default;
 
 void LaneCarrier::DeleteSet::operator()(Set* set) const { delete set; }

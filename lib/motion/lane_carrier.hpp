@@ -187,6 +187,11 @@ class LaneCarrier {
   std::size_t left_over_ = 0, carried_ = 0;
 };
 
+/// A carrier of motions in lanes, with these parameter sets at the indices 0, 1, ...; null if the lanes do not support the system
+/// at each of them: Propagators carry such motions.
+std::unique_ptr<LaneCarrier> make_lane_carrier(const HybridSystem& system, std::span<const Vector> sets,
+                                               const FlowOptions& options = {});
+
 class LaneCarrier::Taken {
   friend class LaneCarrier;
   explicit Taken(OwnSet set) : set_(std::move(set)) {}

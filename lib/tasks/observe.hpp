@@ -110,16 +110,15 @@ struct WatchedInLanes {
 template <class Watch, class Cancelled>
 void carry_all_watched(const HybridSystem& system, const Vector& p, const FlowOptions& flow, const WatchedInLanes& in_lanes,
                        std::vector<Watch>& watches, const Cancelled& cancelled) {
-  if (!LaneCarrier::applies(system, p, flow)) {
+  const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, {&p, 1}, flow);
+  if (!many) {
     Propagator propagator(system, p, {}, flow);
     for (Watch& watch : watches) carry_watched(propagator, watch, cancelled);
     return;
   }
-  LaneCarrier many(system, flow);
-  const std::size_t set = many.add_parameters(p);
-  if (in_lanes.table) many.use(set, *in_lanes.table);
-  many.set_reported_ellipses(in_lanes.ellipses);
-  carry_together(many, set, watches, cancelled);
+  if (in_lanes.table) many->use(0, *in_lanes.table);
+  many->set_reported_ellipses(in_lanes.ellipses);
+  carry_together(*many, 0, watches, cancelled);
 }
 
 }  // namespace graze
