@@ -80,7 +80,7 @@ class Reader {
     }
   }
 
-  /// `wanted`: what must stand there, for the message.
+  /// `wanted`: the kind of value allowed there, for the message.
   const toml::table& as_table(const toml::node& node, const std::string& what, const std::string& wanted) const {
     if (!node.is_table()) refuse(place_of(node.source()), fmt::format("{} must be {}", what, wanted));
     return *node.as_table();

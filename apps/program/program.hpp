@@ -12,7 +12,7 @@
 
 namespace graze::apps {
 
-/// What a program of one's own adds to graze: commands, and kinds of pictures for their results.
+/// Additions of a program of one's own: commands, and kinds of pictures for their results.
 struct Additions {
   std::vector<Command> commands = {};
   std::vector<PictureKind> pictures = {};

@@ -182,7 +182,7 @@ class Reading {
     return index_of(in_seconds(read));
   }
 
-  /// The expression with X', V' and rates of what contains X or V per second, not per dimensionless time.
+  /// The expression with X', V' and rates of expressions in X or V per second, not per dimensionless time.
   equations::Expression in_seconds(equations::Expression read) {
     equations::Replacement rates;
     for (const equations::Expression part : equations::reachable(graph_, read)) {

@@ -23,7 +23,7 @@ std::string shown(const Vector& state) { return rounded_state(state, 9); }
 
 std::string periods(int n) { return counted(static_cast<std::size_t>(n), "forcing period"); }
 
-/// What to do where numbers of such sizes cannot be computed with.
+/// Advice on parameters whose sizes are beyond computation.
 std::string extreme_parameter(const Problem& problem) {
   Eigen::Index farthest = -1;
   const auto orders = [&](Eigen::Index k) { return std::abs(std::log(std::abs(problem.parameters[k]))); };
@@ -35,7 +35,7 @@ std::string extreme_parameter(const Problem& problem) {
       problem.system.parameters[static_cast<std::size_t>(farthest)].name, rounded(problem.parameters[farthest], 9));
 }
 
-/// What the settled motion is, in words.
+/// The settled motion in words.
 std::string attractor(const Settled& settled, const std::optional<PeriodicOrbit>& orbit) {
   if (settled.suspected_period == 0)
     return fmt::format("the motion is at {} after {} and repeats after no period up to {}", shown(settled.state),
@@ -175,7 +175,7 @@ std::string autonomous_message(const Problem& problem, const FoundOrbits& found,
                      termination_text(Termination::no_return), after, shown(settled.state));
 }
 
-/// What the motion came to, in words.
+/// The end of the motion in words.
 std::string reached_text(const Problem& problem, const FoundOrbits& found) {
   if (found.settled->termination == Termination::time) return attractor(*found.settled, found.settled_on);
   return fmt::format("the transient ended after {}: {}", periods(found.settled->periods),
@@ -189,7 +189,7 @@ OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, con
   if (options.search && !forced)
     throw std::invalid_argument(fmt::format(
         "--search is for forced systems; {} is autonomous: give a state near its orbit by --start", problem.system.name));
-  const Vector start = start_state(problem, options.start);  // what is wrong with it is said before anything is computed
+  const Vector start = start_state(problem, options.start);  // throws before anything is computed
   FindOrbitOptions finding;
   finding.period = period_of(problem, options);
   finding.search_only = options.search;

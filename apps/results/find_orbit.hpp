@@ -61,7 +61,7 @@ Settled settle_down(const Problem& problem, const StartOptions& options, const C
 
 struct OrbitResult : FoundOrbits {
   Status status = Status::failed;
-  std::string message;  ///< why no orbit was found, and what was found instead
+  std::string message;  ///< why no orbit was found, and the orbits found instead
   std::string remark;   ///< the attractor reached, if a search had to follow
 };
 

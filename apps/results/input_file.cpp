@@ -40,7 +40,7 @@ std::string read_whole(const std::string& file) {
 
 namespace {
 
-/// Lists and objects inside one another: results have some ten of them, and what reads them goes as deep by recursion.
+/// Lists and objects inside one another: results have some ten of them, and their readers go as deep by recursion.
 constexpr int deepest = 100;
 
 /// Where they are more; nullopt: nowhere.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reports of a Poincare section: its columns, and what graze.poincare/1 holds.
+// Reports of a Poincare section: its columns, and the contents of graze.poincare/1.
 #pragma once
 
 #include <graze/apps/problem/problem.hpp>
@@ -12,7 +12,7 @@
 
 namespace graze::apps {
 
-/// What graze.poincare/1 has beside its head.
+/// The contents of graze.poincare/1 beside its head.
 struct ListedSection {
   const PoincareSection& section;
   std::vector<std::string> columns;

@@ -18,7 +18,7 @@ std::string aligned(const Table& table, int indent = 2);
 /// RFC 4180, with a header line.
 std::string csv(const Table& table);
 
-/// Reads what csv() writes. @throws std::invalid_argument naming line and reason.
+/// Reads a text that csv() has written. @throws std::invalid_argument naming line and reason.
 Table parse_csv(const std::string& text, const std::string& file);
 
 }  // namespace graze::apps

@@ -798,7 +798,7 @@ void BranchFollower::append_beyond_kink(OrbitProblem& problem, const Vector& u, 
   if (options_.progress) options_.progress(branch);
 }
 
-/// Pins the place of what friction holds from the last point on. Returns the direction in which the parameter grows.
+/// From the last point on, pins the place of the bodies that friction holds. Returns the direction in which the parameter grows.
 Vector BranchFollower::pin_what_is_held(OrbitProblem& problem) {
   problem.pin(problem.kept_states(last_));
   holds_more_ = false;

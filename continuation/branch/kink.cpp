@@ -99,7 +99,7 @@ std::optional<BeyondKink> beyond_kink(OrbitProblem& problem, const CurvePoint& l
   const ZeroProblem zero = problem.zero_problem();
   const Eigen::Index of_value = last.u.size() - 1;
   const double onwards = std::copysign(1.0, last.tangent[of_value]);
-  // What leads back is found from the branch that came here too.
+  // An orbit back along the branch is also found from the branch that came here.
   const auto is_on_branch = [&](const Vector& u) {
     constexpr double same = 1e-3;  // of the way from the kink
     const double way = (u[of_value] - last.u[of_value]) / last.tangent[of_value];

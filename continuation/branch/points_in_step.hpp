@@ -42,7 +42,7 @@ SpecialPoint plain_point(BranchProblem& problem, const Vector& u, PointType type
 /// these multipliers. Two coinciding multipliers are known only to the square root of rounding.
 bool in_rounding(const TestFunction& test, const TestPoint& a, const TestPoint& b);
 
-/// What is known of a sign change before it is located. `halve`: its ends are too far apart to confirm it; the step is halved
+/// A sign change before it is located. `halve`: its ends are too far apart to confirm it; the step is halved
 /// until they are not. `at_corner`: it lies at the corner of a stiff contact, where any sign change is the point.
 struct SignChange {
   bool halve = false;

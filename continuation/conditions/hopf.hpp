@@ -9,8 +9,8 @@
 
 namespace graze {
 
-/// The field at the first node of the orbit u: what vanishes, and changes its sign, where the orbit is an equilibrium. Empty for
-/// a forced system.
+/// The field at the first node of the orbit u. It vanishes, and changes its sign, where the orbit is an equilibrium. Empty for a
+/// forced system.
 Vector field_at_first_node(OrbitProblem& problem, const Vector& u);
 
 /// The parameter at the Hopf point near the small orbit u, by the secant method on the real part of the eigenvalues, along the

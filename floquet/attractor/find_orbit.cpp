@@ -89,7 +89,7 @@ FoundOrbits find_orbits(const HybridSystem& system, const Vector& p, const Vecto
     shooting.finite_differences = true;
     PeriodicOrbit orbit = shoot(system, p, found.settled->state, options.period, shooting);
     const bool wanted = orbit.converged() && orbit.period == options.period && orbit.admissible == Admissibility::admissible;
-    // Without a transient the state is the user's own guess; with one, an unstable orbit is not what the motion settled on.
+    // Without a transient the state is the user's own guess; with one, the motion has not settled on an unstable orbit.
     if (wanted && (orbit.stable() || found.settled->suspected_period == options.period || options.settle.periods == 0)) {
       take(found, {std::move(orbit)}, OrbitOrigin::settled);
       return found;

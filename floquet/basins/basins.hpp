@@ -71,7 +71,7 @@ struct Basins {
 Basins find_attractors(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options = {},
                        const Basins& so_far = {});
 
-/// Checks what find_attractors throws for, without computing anything.
+/// Makes the checks of find_attractors alone: throws as it does, and computes nothing.
 void check_basins(const HybridSystem& system, const Matrix& starts, const BasinOptions& options, const Basins& so_far = {});
 
 }  // namespace graze

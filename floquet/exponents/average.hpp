@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Average: the running time average of the Lyapunov exponents over several motions on one attractor, and the rule that ends it.
-// What carries the motions is left to the caller. A Motion is a MotionGrowth with state() and with times(): ReturnTimes of an
+// The caller carries the motions. A Motion is a MotionGrowth with state() and with times(): ReturnTimes of an
 // autonomous motion, null for a forced one.
 #pragma once
 

@@ -22,7 +22,8 @@ Matrix generic_frame(Eigen::Index directions) {
   return Eigen::HouseholderQR<Matrix>(entries).householderQ();
 }
 
-/// What remains of each column beside those before it (the diagonal of R), relative to its length; 0 for a column that vanishes.
+/// The part of each column that is orthogonal to those before it (the diagonal of R), relative to its length; 0 for a column that
+/// vanishes.
 Vector remainders(const Matrix& columns, const Eigen::HouseholderQR<Matrix>& qr) {
   const Vector lengths = columns.colwise().norm();
   return (lengths.array() > 0.0).select(qr.matrixQR().diagonal().cwiseAbs().cwiseQuotient(lengths), 0.0);

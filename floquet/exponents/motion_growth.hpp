@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MotionGrowth: what an average (average.hpp) asks of one of its motions: the growth of its tangent directions so far.
+// MotionGrowth: the growth of the tangent directions of one motion so far, for an average over motions (average.hpp).
 #pragma once
 
 #include <graze/lib/numerics/batch_means.hpp>

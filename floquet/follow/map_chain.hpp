@@ -10,7 +10,7 @@
 
 namespace graze {
 
-/// What all points of a map have in common.
+/// Settings common to all points of a map.
 struct MapSetting {
   HybridSystem system;
   Vector p;

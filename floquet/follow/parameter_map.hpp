@@ -88,7 +88,7 @@ struct MapOptions {
 std::vector<MapPoint> map_rows(const HybridSystem& system, const Vector& p, const ParameterGrid& grid,
                                const std::vector<MapLayer>& layers, int first, int count, const MapOptions& options = {});
 
-/// Checks what map_rows throws for, without computing anything.
+/// Makes the checks of map_rows alone: throws as it does, and computes nothing.
 void check_map(const HybridSystem& system, const Vector& p, const ParameterGrid& grid, const std::vector<MapLayer>& layers,
                const MapOptions& options);
 

@@ -47,7 +47,7 @@ class RowChain {
   };
   struct Found {
     RowPoint point;
-    bool revokes = false;  ///< what the point has published does not hold
+    bool revokes = false;  ///< the state that the point has published does not hold
     bool failed = false;   ///< it could not be computed: the row ends before it
   };
 
@@ -118,7 +118,8 @@ class Row {
   /// Number of points that are done.
   std::size_t done() const { return done_; }
 
-  /// What can start next: a point that will probably be kept, one that will probably be rolled back, a guess, or nothing.
+  /// The kind of point that can start next: one that will probably be kept, one that will probably be rolled back, a guess, or
+  /// nothing.
   enum class Next { none, guess, unlikely, likely };
   Next next() const;
   Next queued = Next::none;  ///< for RowRunner: the queue in which it stands

@@ -46,8 +46,8 @@ struct SweepOptions {
   int threads = 1;  ///< the result does not depend on it
   std::function<bool()> cancelled = {};
   std::function<void(std::size_t rows, double value)> progress = {};  ///< called by one thread at a time
-  /// Called after each finished row, by one thread at a time; `so_far` returns what sweep() would return now. Other threads may
-  /// have to wait meanwhile.
+  /// Called after each finished row, by one thread at a time; `so_far` returns the rows that sweep() would return now. Other
+  /// threads may have to wait meanwhile.
   std::function<void(const std::function<std::vector<SweepRow>()>& so_far)> keep = {};
 };
 

@@ -74,8 +74,8 @@ Vector SweepChain::off_guards(const Vector& p, const Vector& state) const {
   return between ? between->state : state;
 }
 
-/// The start of a value, from the state left by the one before. What friction held is held. A mass that rested on its stop moves
-/// with it if the stop now comes closer.
+/// The start of a value, from the state left by the one before. A body held by friction stays held. A mass that rested on its
+/// stop moves with it if the stop now comes closer.
 Vector SweepChain::start_of(const Begin& begin, const Vector& p) const {
   if (begin.state.size() == 0) return start_;
   const Vector p_before = parameters(begin.number - 1);

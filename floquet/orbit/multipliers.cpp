@@ -203,7 +203,7 @@ std::vector<std::complex<double>> eigenvalues(const std::vector<Matrix>& factors
 }
 
 /// The same map of the other states alone, with these ones as they are. The determinants of the factors stay: a kept state
-/// depends on itself and on what is held.
+/// depends on itself and on the held bodies.
 MonodromyMatrix without(const MonodromyMatrix& monodromy, const std::vector<KeptState>& kept) {
   std::vector<Eigen::Index> others;
   for (Eigen::Index i = 0; i < monodromy.factors.front().rows(); ++i)

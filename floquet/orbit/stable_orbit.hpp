@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// StableOrbit: what is known of an orbit on which a motion settles. It is lighter than a PeriodicOrbit: many of them are found
-// in SIMD lanes, by Newton's method on the states at forcing phase 0 alone.
+// StableOrbit: an orbit on which a motion settles, with its states and multipliers. It is lighter than a PeriodicOrbit: many of
+// them are found in SIMD lanes, by Newton's method on the states at forcing phase 0 alone.
 #pragma once
 
 #include <graze/floquet/orbit/periodic_orbit.hpp>
@@ -14,7 +14,7 @@ namespace graze {
 /// A stable orbit or, in a conservative system, a neutral one. All times are dimensionless.
 struct StableOrbit {
   StableOrbit() = default;
-  /// What is known of a whole orbit, which is kept.
+  /// The same of a whole orbit, which is kept.
   explicit StableOrbit(PeriodicOrbit orbit)
       : period(orbit.period), duration(orbit.duration), states(orbit.states), impacts(orbit.impacts),
         isolated_impacts(orbit.isolated_impacts), rests(orbit.rests), conservative(orbit.conservative),

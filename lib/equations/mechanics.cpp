@@ -681,7 +681,8 @@ class Mechanics {
     for (std::size_t i = 0; i < map.size(); ++i) after.emplace(graph_.state(i).index, map[i]);
     const std::size_t choices = std::size_t{1} << slipping.size();
     for (std::size_t choice = 0; choice < choices; ++choice) {
-      // The first choice fires in which all that slips forward has a positive speed. What slips backward in it then has none.
+      // The first choice fires in which all bodies that slip forward have a positive speed. Those that slip backward then have
+      // none.
       std::vector<Expression> conditions;
       for (std::size_t k = 0; k < slipping.size(); ++k) {
         const bool goes_backward = (choice >> k & 1U) != 0;

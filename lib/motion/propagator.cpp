@@ -127,7 +127,7 @@ bool Propagator::active_at_start(const HybridState& state, std::size_t index) {
   if (h > tolerance) return true;
   const Flow& flow = flows_[state.mode];
   const bool just_crossed = plus_known_ && is_behind_last_event(state);
-  // A release begins at a balance of forces. What was held until then rests, although the rounding of the forces moves it.
+  // A release begins at a balance of forces: a mass held until then rests, although the rounding of the forces moves it.
   bool released = false;
   if (just_crossed && record_.kind == EventKind::release) {
     flows_[system_->events[record_.event].from].field(state.t, state.x, f_minus_);
@@ -350,7 +350,7 @@ Propagator::Rest Propagator::accumulate(HybridState& state, const Event& event, 
   const Vector here = state.x;
   // Where other masses move along, the series is one plastic impact, after which the mass is held. The stop acts in one direction
   // only: on the way the motion differs from the held one by the bounce in this direction alone, which is over at the
-  // accumulation point. What is left is of third order in the remaining time, and of second order in the derivative.
+  // accumulation point. The rest is of third order in the remaining time, and of second order in the derivative.
   const bool others_move = moving && system_->states > 2;
   if (others_move) {
     state.x = record_.x_minus;
@@ -360,7 +360,7 @@ Propagator::Rest Propagator::accumulate(HybridState& state, const Event& event, 
   }
   rest.reset.map(state.t, Vector(state.x), p_, state.x);
   if (others_move && remaining == 0.0) {
-    // A plastic impact. What it tears from the mass, or drives against it, is not held.
+    // A plastic impact. A body that it tears from the mass, or drives against it, is not held.
     constexpr double rounding = 1e-9;
     const double torn = (state.x - here).lpNorm<Eigen::Infinity>();
     if (torn > rounding * before + guard_tolerance * (1.0 + here.lpNorm<Eigen::Infinity>())) {
@@ -369,7 +369,8 @@ Propagator::Rest Propagator::accumulate(HybridState& state, const Event& event, 
     }
   }
   state.mode = rest.sticking_mode;
-  // The mass is held only if it is pressed to the stop at the accumulation point too. At rest, what hits it does not matter.
+  // The mass is held only if it is pressed to the stop at the accumulation point too. At rest, other bodies that hit it do not
+  // matter.
   for (const std::size_t other : events_of_mode_[state.mode]) {
     if (!moving && begins_contact(system_->events[other].kind)) continue;
     if (active_at_start(state, other)) {

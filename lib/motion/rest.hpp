@@ -52,8 +52,8 @@ bool settle_on_constraints(const HybridSystem& system, std::size_t mode, double 
 /// The mode of a state in which friction holds a body, and no stop does; empty: there is none.
 std::optional<std::size_t> held_by_friction(const HybridSystem& system, double t, const Vector& x, const Vector& p);
 
-/// What friction holds at the parameters `before`, it holds at p too (a belt that runs faster takes the body along): moves a
-/// state onto the constraints of its mode there. Other states stay.
+/// A body that friction holds at the parameters `before` is held at p too (a belt that runs faster takes it along): moves a state
+/// onto the constraints of its mode there. Other states stay.
 void keep_held(const HybridSystem& system, double t, const Vector& before, const Vector& p, Vector& x);
 
 /// The state of permanent rest at the stop near `state`: held there at forcing phase 0, not released within a forcing period,
