@@ -55,7 +55,7 @@ std::vector<std::string> order_notes(const Problem& problem, const std::string& 
   Problem at = problem;
   for (const SweepRow& row : rows) {
     set_parameter(at, parameter, row.value);
-    const std::vector<std::string> notes = order_notes(at, row.attractor.state, std::max(1, row.attractor.period));
+    std::vector<std::string> notes = order_notes(at, row.attractor.state, std::max(1, row.attractor.period));
     if (!notes.empty()) return notes;
   }
   return {};

@@ -83,7 +83,8 @@ std::vector<Curve> skeleton_legend(const SkeletonCurves& parts, const SkeletonAx
 }
 
 double legend_rows(std::size_t entries) {
-  const auto rows = static_cast<double>((entries + 2) / 3);
+  const std::size_t whole = (entries + 2) / 3;
+  const auto rows = static_cast<double>(whole);
   return (rows > 5.0 ? 0.9 : rows > 4.0 ? 1.05 : 1.25) * rows;
 }
 

@@ -298,7 +298,7 @@ void check_finite(const Problem& problem, const Vector& state) {
 }  // namespace
 
 Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
-  const Vector wanted = given ? *given : problem.start ? *problem.start : rest_state(problem, problem.parameters);
+  Vector wanted = given ? *given : problem.start ? *problem.start : rest_state(problem, problem.parameters);
   if (!given && !problem.start && is_built_in(problem)) return wanted;
   try {
     check_finite(problem, wanted);

@@ -103,7 +103,7 @@ TomlSection::TomlSection(const std::string& file, std::string name, const toml::
 std::optional<std::string> TomlSection::text(const std::string& key) {
   const toml::node* node = find(key);
   if (!node) return std::nullopt;
-  const auto value = node->value_exact<std::string>();
+  auto value = node->value_exact<std::string>();
   if (!value) throw wrong_type(key, *node, "text in quotes");
   return value;
 }

@@ -99,7 +99,7 @@ Published parse_published(std::string_view text, const std::string& file) {
   TomlSection file_section(file, "", root);
   for (TomlSection& section : file_section.tables("system")) out.systems.push_back(read_system(section));
   const auto known = [&](TomlSection& section) {
-    const std::string id = required_text(section, "system", "the id of a [[system]]");
+    std::string id = required_text(section, "system", "the id of a [[system]]");
     std::vector<std::string> ids;
     for (const PublishedSystem& system : out.systems) ids.push_back(system.id);
     if (std::find(ids.begin(), ids.end(), id) == ids.end())

@@ -420,7 +420,7 @@ void put_quantities(Json& json, const QuantityValues& values) {
 Json with_quantities(Json schema) {
   const Json number = JsonForm<std::optional<double>>::schema();
   Json values = {{"type", "object"}, {"additionalProperties", {{"anyOf", {number, list_schema(number)}}}}};
-  return merged_schemas({schema, object_schema({{"y", "quantities that --y asks for", values, false}})});
+  return merged_schemas({std::move(schema), object_schema({{"y", "quantities that --y asks for", values, false}})});
 }
 
 void write_quantities(const QuantityValues& values, JsonText& json) {

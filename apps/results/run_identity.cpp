@@ -42,7 +42,8 @@ std::optional<std::string> difference_in(const Json& there, const Json& now, con
     for (const auto& [key, value] : object->items())
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
   for (const std::string& key : keys)
-    if (auto found = difference_in(there.value(key, Json()), now.value(key, Json()), name.empty() ? key : name + "." + key))
+    if (auto found =
+            difference_in(there.value(key, Json()), now.value(key, Json()), name.empty() ? key : fmt::format("{}.{}", name, key)))
       return found;
   return std::nullopt;
 }

@@ -126,11 +126,13 @@ template <class V> struct JsonForm<std::optional<V>> {
 };
 /// A number that may be infinite or unknown; JSON can express neither.
 struct MaybeFinite {
+  MaybeFinite() = default;
+  explicit MaybeFinite(double number) : value(number) {}
   double value = 0.0;
 };
 template <> struct JsonForm<MaybeFinite> {
   static Json json(const MaybeFinite& number) { return std::isfinite(number.value) ? Json(number.value) : Json(nullptr); }
-  static MaybeFinite value(const Json& json) { return {json.is_null() ? std::nan("") : json.get<double>()}; }
+  static MaybeFinite value(const Json& json) { return MaybeFinite(json.is_null() ? std::nan("") : json.get<double>()); }
   static void write(const MaybeFinite& number, JsonText& text) { text.value(number.value); }
   static void cells(const MaybeFinite& number, std::string& line) { JsonForm<double>::cells(number.value, line); }
   static Json schema() { return or_null(JsonForm<double>::schema()); }
@@ -361,7 +363,7 @@ void append_cells(std::string& line, const Columns<T>& columns, const std::vecto
       if (candidate.name == one.column) append_cells(line, candidate, record, one.heads.size());
 }
 
-inline MaybeFinite finite(double value) { return {value}; }
+inline MaybeFinite finite(double value) { return MaybeFinite(value); }
 using MaybeNumbers = std::vector<MaybeFinite>;
 inline MaybeNumbers finite(const std::vector<double>& values) { return {values.begin(), values.end()}; }
 /// Rows in which a number may be unknown.

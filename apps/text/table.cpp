@@ -92,15 +92,13 @@ Table parse_csv(const std::string& text, const std::string& file) {
       cell += text[++i];
     else if (c == '"')
       inside = !inside;
-    else if (inside)
-      cell += c;
-    else if (c == ',') {
+    else if (!inside && c == ',') {
       rows.back().push_back(std::move(cell));
       cell.clear();
-    } else if (c == '\n') {
+    } else if (!inside && c == '\n') {
       end_row();
       ++line;
-    } else if (c != '\r')
+    } else if (inside || c != '\r')
       cell += c;
   }
   end_row();

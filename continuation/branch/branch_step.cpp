@@ -82,13 +82,13 @@ bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetr
                      [&](const Symmetry& symmetry) { return changes_symmetry(system, symmetry, branch, next); });
 }
 
-std::optional<double> zero_crossing(const Vector& a, const Vector& b) {
+std::optional<double> zero_crossing(const Vector& before, const Vector& after) {
   // A curve that turns by at most 0.3 within the step stays closer to its chord than this fraction of the chord.
   constexpr double bend = 0.1;
-  if (a.size() == 0 || b.size() == 0 || !(a.dot(b) < 0.0)) return std::nullopt;
-  const Vector chord = b - a;
-  const double part = -a.dot(chord) / chord.squaredNorm();
-  if (!((a + part * chord).norm() < bend * chord.norm())) return std::nullopt;
+  if (before.size() == 0 || after.size() == 0 || !(before.dot(after) < 0.0)) return std::nullopt;
+  const Vector chord = after - before;
+  const double part = -before.dot(chord) / chord.squaredNorm();
+  if (!((before + part * chord).norm() < bend * chord.norm())) return std::nullopt;
   return part;
 }
 

@@ -153,8 +153,13 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   if (direction[largest] * side < 0.0) direction = -direction;
   // The crossing branch need not be normal to this one. If no push along the normal leads to it, the first correction, which
   // keeps the part along the normal, tells its direction.
-  for (const auto& [oblique, push] : std::initializer_list<std::pair<bool, double>>{
+  struct Trial {
+    bool oblique;
+    double push;
+  };
+  for (const Trial& trial : std::initializer_list<Trial>{
            {false, 2e-4}, {false, 5e-5}, {false, 1e-5}, {false, 2e-6}, {false, 1e-3}, {true, 2e-4}, {true, 5e-5}, {true, 1e-5}}) {
+    const double push = trial.push;
     BranchStart start;
     start.step = push;
     const auto corrected = [&](const Vector& towards) {
@@ -163,7 +168,7 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
     };
     double length = corrected(direction);
     constexpr double most_oblique = 20.0;
-    if (oblique && length > 0.0 && length < most_oblique * push) length = corrected((start.u - located.u) / length);
+    if (trial.oblique && length > 0.0 && length < most_oblique * push) length = corrected((start.u - located.u) / length);
     if (length == 0.0 || !(length < 1.5 * push) || !problem.is_motion(start.u)) continue;
     start.orientation = start.u - located.u;
     start.sequence = problem.sequence();

@@ -13,6 +13,6 @@ namespace graze {
 
 /// Newton's method on the extended system from u = (states, parameter). If it fails, or if |e| >= 1e-8 at the solution, the
 /// report is not converged. LocatedPoint::v is the null vector; LocatedPoint::w stays empty.
-LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& u);
+LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start);
 
 }  // namespace graze

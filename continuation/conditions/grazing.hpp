@@ -78,7 +78,7 @@ struct LocatedGrazing {
 /// `together`: contacts on other stretches that touch together with this one (an orbit symmetric between two barriers). They
 /// are left out too. The linear response describes a single impact, so that the scenario then stays unknown. `missed`: free
 /// maxima on other stretches that touch too. They are also left out; the orbit has no contact there.
-LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& u, const GrazingGuess& guess,
+LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess,
                               const std::vector<GrazingGuess>& together = {}, const std::vector<GrazingGuess>& missed = {});
 
 }  // namespace graze

@@ -46,7 +46,7 @@ GrazingEdge partner_edge(const SpecialPoint& point, LocatedGrazing& grazing, boo
   PeriodicOrbit at_grazing = point.orbit;
   int impacts = grazing.orbit.impacts + (lost ? 0 : 1);
   if (lost) impacts = impacts * to_least_period(at_grazing, grazing) / point.orbit.period;
-  const GrazingEdge edge = edge_at(point, at_grazing, impacts);
+  GrazingEdge edge = edge_at(point, at_grazing, impacts);
   if (orbit) *orbit = std::move(at_grazing);
   return edge;
 }

@@ -30,7 +30,7 @@ struct LocatedPoint {
   Eigen::VectorXcd v, w;   ///< right and left null vectors of K at the point (as many entries as H)
 };
 
-/// Newton's method on the extended system from u. If it fails, the report is not converged and the precision is 0.
-LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& u, const MultiplierCondition& condition);
+/// Newton's method on the extended system from `start`. If it fails, the report is not converged and the precision is 0.
+LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, const MultiplierCondition& condition);
 
 }  // namespace graze

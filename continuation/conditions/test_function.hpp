@@ -46,7 +46,7 @@ TestFunction neimark_sacker_test();
 
 /// Points at which a scalar of the orbit is zero: a condition from outside the library, for example a state at phase 0 minus a
 /// bound. They have the type UZ, and `name` as their detail "condition". The scalar must be smooth along the branch.
-TestFunction zero_test(std::string name, std::function<double(const BranchPoint& point)> scalar);
+TestFunction zero_test(std::string name, const std::function<double(const BranchPoint& point)>& scalar);
 
 /// All test functions of bifurcations, in the order in which they are evaluated.
 const std::vector<TestFunction>& test_functions();

@@ -64,7 +64,7 @@ LocatedPoint locate_zero(BranchProblem& problem, const Vector& start, const Scal
 
 }  // namespace
 
-TestFunction zero_test(std::string name, Scalar scalar) {
+TestFunction zero_test(std::string name, const Scalar& scalar) {
   TestFunction test;
   test.type = PointType::UZ;
   test.summary = "a scalar given by the user is zero: " + name;

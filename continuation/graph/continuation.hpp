@@ -13,7 +13,7 @@ std::vector<Branch> continue_orbit(const HybridSystem& system, const PeriodicOrb
 /// The branch through `orbit`, followed in both directions within near +- reach (extended to the orbit itself), and the
 /// branches beyond its grazings.
 std::vector<Branch> follow_near(const HybridSystem& system, const PeriodicOrbit& orbit, double near, double reach,
-                                const ContinuationOptions& options);
+                                const ContinuationOptions& given);
 
 /// Result of locate().
 struct LocateResult {

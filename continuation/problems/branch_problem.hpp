@@ -56,8 +56,8 @@ class BranchProblem {
   /// K(sigma) at u: the derivative of the equations in the orbit's unknowns (square, without the parameter), with the link from
   /// the last node to the first multiplied by sigma. K is singular if sigma is a multiplier. Evaluate the equations at u first.
   virtual Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) = 0;
-  /// w^H (dK/du_i) v for each unknown u_i (the parameter's value last), by central differences at u.
-  virtual Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+  /// left^H (dK/du_i) v for each unknown u_i (the parameter's value last), by central differences at u.
+  virtual Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                              const Eigen::VectorXcd& v) = 0;
   /// Whether the solution u is a motion. A solution with a fixed signature may pass through a barrier.
   virtual bool is_motion(const Vector&) { return true; }

@@ -62,7 +62,7 @@ class OrbitProblem : public BranchProblem {
 
   /// K from the stretches of the last evaluation.
   Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
-  Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+  Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                      const Eigen::VectorXcd& v) override;
   std::vector<PinnedState> kept_states(const Vector& u) const override;
   double state_scale(const Vector& u) const override { return 1.0 + u.head(unknowns() - 1).lpNorm<Eigen::Infinity>(); }

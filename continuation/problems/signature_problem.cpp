@@ -282,7 +282,8 @@ Vector SignatureProblem::half_difference(const Vector& u) const {
   if (n % 2 != 0 || m % 2 != 0 || !std::equal(sequence.begin(), sequence.begin() + m / 2, sequence.begin() + m / 2)) return {};
   const Vector p = parameters_at(u);
   Vector out = u.segment(m / 2 * size, m / 2 * size) - u.head(m / 2 * size);
-  for (int k = 0; k < m / 2; ++k) out[k * size] -= n / 2 * forcing_period(equations_.system(), p);
+  const int half = n / 2;
+  for (int k = 0; k < m / 2; ++k) out[k * size] -= half * forcing_period(equations_.system(), p);
   return out;
 }
 

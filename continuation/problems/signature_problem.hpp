@@ -47,7 +47,7 @@ class SignatureProblem : public BranchProblem {
   OrbitProblem in_states(const Vector& u, int per_period, double section, Vector& out);
   double time_carried() const override;
   Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
-  Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& w,
+  Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                      const Eigen::VectorXcd& v) override;
   bool is_motion(const Vector& u) override { return !violation(u); }
   std::optional<std::vector<std::size_t>> sequence() const override { return equations_.sequence(); }

@@ -49,7 +49,7 @@ enum class PointType { EP, LP, PD, BP, NS, GR, UZ, MX };
 
 /// "EP", "LP", ... and back. @throws std::invalid_argument with the valid names.
 std::string_view point_type_name(PointType type);
-PointType point_type(std::string_view name);
+PointType point_type(std::string_view given);
 
 enum class PointStatus { bracketed, converged };
 

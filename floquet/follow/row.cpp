@@ -46,7 +46,7 @@ Row::Stretch& Row::add_stretch(std::size_t begin) {
 std::shared_ptr<Row::Entry> Row::entry(Stretch& stretch, RowChain::Begin begin) const {
   const std::size_t next = begin.number + 1;  // the last point of a stretch is compared with the guess
   begin.compared = next == stretch.begin || (next == stretch.end && next < chain_->size());
-  return std::make_shared<Entry>(&stretch, std::move(begin), RowPoint());
+  return std::make_shared<Entry>(stretch, std::move(begin));
 }
 
 bool Row::can_go_on(const Stretch& stretch) const {
@@ -136,7 +136,7 @@ std::shared_ptr<Row::Entry> Row::start(Stretch& stretch) {
     ++stretch.open;
     return next;
   }
-  const std::shared_ptr<Entry> done = next;  // join() may remove the stretch
+  std::shared_ptr<Entry> done = next;  // join() may remove the stretch
   done->point = std::move(*known);
   done->published = done->done = true;
   ++done_;

@@ -70,6 +70,7 @@ class Row {
  public:
   struct Stretch;
   struct Entry {
+    Entry(Stretch& of, RowChain::Begin from) : stretch(&of), begin(std::move(from)) {}
     Stretch* stretch;
     RowChain::Begin begin;
     RowPoint point;          ///< point.end is the start of the next point once published
@@ -78,6 +79,7 @@ class Row {
     std::atomic<bool> dropped = false;  ///< rolled back: an earlier point ended elsewhere
   };
   struct Stretch {
+    Stretch(std::size_t first, std::size_t past) : begin(first), end(past) {}
     std::size_t begin, end;  ///< its first point, and one past its last
     /// The point before the stretch. `lead` is the guess, until the last point of the stretch before is known and on another
     /// attractor. Null if there is none, or if the guess failed.

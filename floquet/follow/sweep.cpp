@@ -54,9 +54,9 @@ std::vector<double> sweep_values(double from, double to, double step) {
   return values;
 }
 
-std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& wanted,
+std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
                             const std::vector<SweepRow>& so_far) {
-  const SweepOptions options = with_looks(wanted);
+  const SweepOptions looking = with_looks(options);
   oneapi::tbb::task_arena arena(std::max(1, options.threads));
   const std::size_t threads = arena.execute([] { return available_threads(); });
   std::vector<Direction> directions;
@@ -67,15 +67,15 @@ std::vector<SweepRow> sweep(const HybridSystem& system, const Vector& p, const V
     return all;
   };
   RowRunnerOptions running;
-  running.flow = options.attractor.lyapunov.flow;
+  running.flow = looking.attractor.lyapunov.flow;
   running.threads = threads;
   running.enough = running.most =
-      std::max<std::size_t>(1, running.enough / static_cast<std::size_t>(options.attractor.lyapunov.motions));
+      std::max<std::size_t>(1, running.enough / static_cast<std::size_t>(looking.attractor.lyapunov.motions));
   running.cancelled = options.cancelled;
   RowRunner runner(system, running);
   std::vector<std::shared_ptr<Row>> rows;
   for (Direction& direction : directions) {
-    auto chain = std::make_unique<SweepChain>(system, p, start, options, direction.direction);
+    auto chain = std::make_unique<SweepChain>(system, p, start, looking, direction.direction);
     std::vector<RowPoint> known;
     for (const SweepRow& row : so_far)
       if (row.direction == direction.direction) {

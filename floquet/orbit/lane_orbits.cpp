@@ -165,10 +165,11 @@ std::vector<std::size_t> shorter_periods(const LaneOrbit& orbit) {
 /// Whether Newton's method found the same orbit with the shorter period; see shoot().
 bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
   if (!shorter.converged) return false;
-  const auto times = static_cast<double>(orbit.states.size() / shorter.states.size());
+  const std::size_t times = orbit.states.size() / shorter.states.size();
   const double scale = 1.0 + state_size(orbit.states[0]);
   double nearest = 1.0;
-  for (const auto& mu : shorter.multipliers) nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, times)));
+  for (const auto& mu : shorter.multipliers)
+    nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, static_cast<double>(times))));
   return state_distance(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
 }
 

@@ -102,7 +102,8 @@ void sweep(const std::vector<Matrix>& factors, const std::vector<double>& dets, 
   double side = orientation(Q);
   form.R.resize(factors.size());
   for (std::size_t k = 0; k < factors.size(); ++k) {
-    const Square factor = factors[k], turned = factor * Q;
+    const Square& factor = factors[k];
+    const Square turned = factor * Q;
     Square& R = form.R[k];
     triangularise(turned, Q, R);
     const double before = side;

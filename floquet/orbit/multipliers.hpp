@@ -49,7 +49,7 @@ struct FloquetMultipliers {
 };
 
 /// Multipliers of an orbit of the given duration (dimensionless time).
-FloquetMultipliers multipliers(const MonodromyMatrix& monodromy, double duration);
+FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration);
 
 /// Eigenvalues of a product of square matrices, computed from its factors, by decreasing modulus; `log_dets` and `lost` as in
 /// MonodromyMatrix.

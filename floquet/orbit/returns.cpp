@@ -67,8 +67,9 @@ PeriodicOrbit shoot_returns(Propagator& propagator, const std::vector<Vector>& s
     constexpr double may_close = 1e-5, same_duration = 1e-6;
     if (found.size() % d != 0 || state_distance(found[d], found[0]) > may_close * (1.0 + state_size(found[0]))) continue;
     PeriodicOrbit shorter = shoot_returns(propagator, {found.begin(), found.begin() + static_cast<std::ptrdiff_t>(d)}, options);
-    const double times = static_cast<double>(found.size() / d);
-    if (shorter.converged() && std::abs(times * shorter.duration - orbit.duration) < same_duration * orbit.duration)
+    const std::size_t times = found.size() / d;
+    if (shorter.converged() &&
+        std::abs(static_cast<double>(times) * shorter.duration - orbit.duration) < same_duration * orbit.duration)
       return shorter;
   }
   return orbit;

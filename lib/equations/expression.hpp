@@ -63,7 +63,7 @@ enum class Operation : std::uint8_t {
 /// A node of a Graph.
 struct Expression {
   std::uint32_t index = 0;
-  friend auto operator<=>(const Expression&, const Expression&) = default;
+  friend auto operator<=>(const Expression&, const Expression&) = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 struct Node {

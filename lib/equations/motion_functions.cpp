@@ -29,7 +29,7 @@ Expression branch(Graph& graph, const Node& node, Expression s, Expression h) {
 
 }  // namespace
 
-MotionFunctions::MotionFunctions(Graph& graph, std::vector<Expression> of, std::size_t states) : size_(of.size()) {
+MotionFunctions::MotionFunctions(Graph& graph, const std::vector<Expression>& of, std::size_t states) : size_(of.size()) {
   // The symbols of the signs are constant in time.
   const auto rate = [&](Expression e) {
     return rate_along(graph, e, [&](std::size_t i) { return i < 3 * states ? graph.state(states + i) : graph.constant(0.0); });

@@ -21,7 +21,7 @@ class MotionFunctions {
  public:
   MotionFunctions() = default;
   /// `states`: number of states of the system. @throws std::invalid_argument for a rate of a rate.
-  MotionFunctions(Graph& graph, std::vector<Expression> of, std::size_t states);
+  MotionFunctions(Graph& graph, const std::vector<Expression>& of, std::size_t states);
 
   std::size_t size() const { return size_; }
   /// Writes size() values and their rates of change at a state in a mode of the system.

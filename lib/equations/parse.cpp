@@ -464,7 +464,7 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
 
 std::string suggestion_or_list(std::string_view name, const std::vector<std::string>& candidates) {
   constexpr std::size_t most = 32;
-  const std::string near = suggestion(name, candidates);
+  std::string near = suggestion(name, candidates);
   if (!near.empty() || candidates.empty() || candidates.size() > most) return near;
   return fmt::format("; choose one of {}", fmt::join(candidates, ", "));
 }

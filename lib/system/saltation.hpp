@@ -36,9 +36,9 @@ inline constexpr double grazing_transversality = 1e-13;
 /// The saltation matrix of `event` at a crossing; `active` are the parameters of the columns of S_p (may be empty).
 SaltationMatrix saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active);
 
-/// The same, written into `out` (its storage is reused).
+/// The same, written into `result` (its storage is reused).
 void saltation(const Event& event, const Crossing& crossing, const Vector& p, std::span<const std::size_t> active,
-               SaltationMatrix& out);
+               SaltationMatrix& result);
 
 /// The transversality c = D_t h + D_x h f- alone.
 double transversality(const Guard& guard, double t, const Vector& x, const Vector& f, const Vector& p);

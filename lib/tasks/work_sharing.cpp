@@ -95,7 +95,8 @@ void WorkSharing::wait_for_all(const SharedRuns& motions) {
 void TaskPool::give(std::vector<std::unique_ptr<Member>>& members) {
   std::vector<WorkSharing::MovedTask> parcels;
   for (std::size_t i = 1; i < members.size(); i += 2) {
-    WorkSharing::MovedTask& parcel = parcels.emplace_back(std::move(members[i]));
+    WorkSharing::MovedTask& parcel = parcels.emplace_back();
+    parcel.member = std::move(members[i]);
     const std::optional<std::size_t>& own = parcel.member->place.own_parameters_;
     if (!own) continue;
     parcel.parameters = motions_.take(*own);
