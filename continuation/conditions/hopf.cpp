@@ -68,8 +68,7 @@ Vector field_at_first_node(OrbitProblem& problem, const Vector& u) {
 bool is_equilibrium(OrbitProblem& problem, const Vector& u) {
   const Vector f = field_at_first_node(problem, u);
   if (f.size() == 0) return false;
-  const double duration = problem.equations().duration(u.head(u.size() - 1));
-  return f.lpNorm<Eigen::Infinity>() * duration < equilibrium_tolerance * problem.state_scale(u);
+  return is_at_equilibrium(f, problem.equations().duration(u.head(u.size() - 1)), u.head(problem.states()));
 }
 
 std::optional<double> locate_hopf(OrbitProblem& problem, const Vector& u) {
