@@ -162,7 +162,7 @@ TEST_CASE("a contact may begin and end with a period in lanes", "[sanitized]") {
   CHECK(worst.impacts == 0);
 }
 
-TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions", "[sanitized]") {
+TEST_CASE("lanes carry slow and fast, weakly and strongly damped motions") {
   // Grids of 3 to 700 cells a period, with angles within a cell up to its bound for either frequency.
   const char* law = GENERATE("newton", "hertz", "linear");
   const HybridSystem system = oscillator(law);

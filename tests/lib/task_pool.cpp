@@ -44,7 +44,7 @@ MotionTask<> ask_twice(TaskSlot& lane, const Vector& p, int number, int& alive, 
 
 }  // namespace
 
-TEST_CASE("computations in a pool give the results of each alone", "[threads]") {
+TEST_CASE("computations in a pool give the results of each alone", "[sanitized]") {
   const std::string law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
   const std::size_t count = GENERATE(1, 20, 300);  // more than run at a time
