@@ -22,7 +22,9 @@ std::string shown(const toml::node& node) {
     else
       text << value;
   });
-  return text.str();
+  std::string line = text.str();  // a message has one line
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
 }
 
 std::optional<double> as_number(const toml::node& node) {
