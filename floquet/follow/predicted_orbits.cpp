@@ -63,12 +63,6 @@ class Extrapolation {
 /// Guesses that are not close are abandoned; direct simulation handles those values.
 constexpr LanePatience patience{.max_halvings = 2};
 
-LaneGuess guess_of(std::size_t parameters, const States& guess) {
-  LaneGuess out{parameters, {}};
-  for (const Vector& state : guess) out.states.push_back(pair_of(state));
-  return out;
-}
-
 /// Stores the orbit if the motion from `from` approaches it.
 MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
                       Vector from, PredictedOrbit& reached) {

@@ -180,6 +180,12 @@ MotionTask<> shoot_to(TaskSlot& lane, const LaneGuess& guess, LanePatience patie
 
 }  // namespace
 
+LaneGuess guess_of(std::size_t parameters, const std::vector<Vector>& states) {
+  LaneGuess out{parameters, {}};
+  for (const Vector& state : states) out.states.push_back(pair_of(state));
+  return out;
+}
+
 MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<double, 2>> states, LanePatience patience) {
   LaneOrbit orbit = co_await newton(lane, std::move(states), patience);
   const LanePatience any_growth{.max_halvings = patience.max_halvings};
@@ -209,10 +215,7 @@ std::vector<LaneOrbit> shoot_together(const HybridSystem& system, const Vector& 
   if (!many) return {};
   if (all_threads) many->use_all_threads();
   std::vector<LaneGuess> in_lanes;
-  for (const std::vector<Vector>& guess : guesses) {
-    LaneGuess& next = in_lanes.emplace_back(LaneGuess{});
-    std::transform(guess.begin(), guess.end(), std::back_inserter(next.states), pair_of);
-  }
+  for (const std::vector<Vector>& guess : guesses) in_lanes.push_back(guess_of(0, guess));
   return shoot_together(*many, in_lanes, patience);
 }
 

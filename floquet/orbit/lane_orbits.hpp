@@ -24,6 +24,9 @@ struct LaneGuess {
   std::vector<std::array<double, 2>> states;  ///< at forcing phase 0, one per period of the orbit
 };
 
+/// The guess through these states, at the parameter set `parameters`.
+LaneGuess guess_of(std::size_t parameters, const std::vector<Vector>& states);
+
 struct LaneOrbit {
   bool converged = false;
   bool given_up = false;  ///< at once, because of LanePatience::most_growth
