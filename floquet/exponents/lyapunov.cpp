@@ -56,9 +56,10 @@ double kaplan_yorke_dimension(const std::vector<double>& exponents) {
 
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options) {
-  const AverageStart start{p, state};
-  const bool in_lanes = options.motions > 1 && LaneCarrier::applies(system, p, options.flow);
-  return in_lanes ? lane_spectrum(system, start, options) : frame_spectrum(system, start, options);
+  if (options.motions > 1)
+    if (const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, {&p, 1}, options.flow))
+      return lane_spectrum(*many, state, options);
+  return frame_spectrum(system, {p, state}, options);
 }
 
 }  // namespace graze

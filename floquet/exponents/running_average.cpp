@@ -119,10 +119,6 @@ class FrameMotions : public Average<FrameMotion> {
   std::size_t threads_;
 };
 
-}  // namespace
-
-namespace {
-
 /// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
 /// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least ten times
 /// `decorrelation_periods`.
@@ -136,6 +132,7 @@ std::int64_t expected_periods(const LyapunovOptions& averaging) {
   return static_cast<std::int64_t>(
       std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
 }
+
 /// Motions of an average that has the lanes for itself.
 int motions_in_lanes(const LyapunovOptions& averaging) {
   if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
@@ -209,15 +206,15 @@ const Vector& RunningAverage::state() const { return alone_ ? alone_->state() : 
 
 LyapunovSpectrum RunningAverage::result() && { return alone_ ? std::move(*alone_).result() : std::move(*in_lanes_).result(); }
 
-LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
+LyapunovSpectrum lane_spectrum(LaneCarrier& many, const Vector& start, const LyapunovOptions& options) {
+  constexpr std::size_t set = 0;
+  const Vector& p = many.parameters(set);
   validate(options);
-  initial_mode(system, 0.0, start.state, start.p);
-  LaneCarrier many(system, options.flow);
+  initial_mode(many.system(), 0.0, start, p);
   if (options.all_threads) many.use_all_threads();
   const std::size_t threads = options.all_threads ? available_threads() : 1;
-  const std::size_t set = many.add_parameters(start.p);
   if (options.table) many.use(set, *options.table);
-  LaneMotions average(start, set, options, forcing_period(system, start.p));
+  LaneMotions average({p, start}, set, options, forcing_period(many.system(), p));
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;
   std::int64_t told = 0;

@@ -13,15 +13,16 @@
 
 namespace graze {
 
+class LaneCarrier;
 class TaskSlot;
 struct MotionStart;
 
-/// Average over LyapunovOptions::motions parallel motions until the options' rule is met, in lanes or by Propagators. Each motion
-/// beyond the first starts 1e-7 (1 + |x|) farther from `start` than the one before (in lanes: from the barrier). All are first
-/// carried for `decorrelation_periods` uncounted periods, in which chaos separates them; the last of these periods also align
-/// their tangent vectors. @throws std::invalid_argument as lyapunov_spectrum does; lane_spectrum also if LaneCarrier does not
-/// apply.
-LyapunovSpectrum lane_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
+/// Average over LyapunovOptions::motions parallel motions until the options' rule is met: in lanes, at the carrier's first
+/// parameter set, or by Propagators. Each motion beyond the first starts 1e-7 (1 + |x|) farther from the given start than the one
+/// before (in lanes: from the barrier). If there are several, all are first carried for `decorrelation_periods` uncounted
+/// periods, in which chaos separates them; the last of these periods also align their tangent vectors. @throws
+/// std::invalid_argument as lyapunov_spectrum does.
+LyapunovSpectrum lane_spectrum(LaneCarrier& many, const Vector& start, const LyapunovOptions& options);
 LyapunovSpectrum frame_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
 
 /// An average taken for a task of a pool, with pauses: in lanes as lane_spectrum, or along one motion by a Propagator, as the

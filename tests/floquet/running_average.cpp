@@ -16,6 +16,17 @@
 using namespace graze;
 using namespace graze::support;
 
+namespace {
+
+/// In lanes, also for one motion.
+LyapunovSpectrum spectrum_in_lanes(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
+  LaneCarrier many(system, options.flow);
+  many.add_parameters(start.p);
+  return lane_spectrum(many, start.state, options);
+}
+
+}  // namespace
+
 TEST_CASE("exponents averaged over several motions side by side agree with one motion") {
   const char* law = GENERATE("newton", "hertz");
   const HybridSystem system = make_oscillator("linear", law);
@@ -79,7 +90,8 @@ TEST_CASE("several motions by Propagators average over the same attractor as one
   options.max_periods = 24000;
   const LyapunovSpectrum one = frame_spectrum(system, {p, state}, options);
   options.motions = 4;
-  const LyapunovSpectrum four = frame_spectrum(system, {p, state}, options), lanes = lane_spectrum(system, {p, state}, options);
+  const LyapunovSpectrum four = frame_spectrum(system, {p, state}, options);
+  const LyapunovSpectrum lanes = spectrum_in_lanes(system, {p, state}, options);
   CHECK(one.others.empty());
   CHECK(four.others.size() == 3);
   CHECK(one.periods == 24000);
@@ -146,9 +158,9 @@ TEST_CASE("exponents averaged with an existing table of contacts") {
   LyapunovOptions options;
   options.standard_error = 0.0;
   options.max_periods = 12;  // too few periods for chaos to amplify the error of the table much
-  const LyapunovSpectrum in_steps = lane_spectrum(system, {p, vector({-0.379, -0.717})}, options);
+  const LyapunovSpectrum in_steps = spectrum_in_lanes(system, {p, vector({-0.379, -0.717})}, options);
   options.table = &contacts;
-  const LyapunovSpectrum with_table = lane_spectrum(system, {p, vector({-0.379, -0.717})}, options);
+  const LyapunovSpectrum with_table = spectrum_in_lanes(system, {p, vector({-0.379, -0.717})}, options);
   CHECK(in_steps.impacts > 0);
   CHECK(with_table.impacts == in_steps.impacts);
   for (std::size_t i = 0; i < 2; ++i) CHECK(with_table.exponents[i] == Approx(in_steps.exponents[i]).margin(1e-8));
@@ -156,7 +168,7 @@ TEST_CASE("exponents averaged with an existing table of contacts") {
 
   Vector elsewhere = p;
   elsewhere[oscillator_parameter::eta] = 0.72;
-  CHECK_THROWS_WITH(lane_spectrum(system, {elsewhere, vector({-0.379, -0.717})}, options),
+  CHECK_THROWS_WITH(spectrum_in_lanes(system, {elsewhere, vector({-0.379, -0.717})}, options),
                     Catch::Contains("table of contacts is not one of parameter set"));
 }
 
@@ -185,7 +197,7 @@ TEST_CASE("one motion in lanes has the exponents of the scalar computation") {
   TaskPool(many).run(starts.size(), average);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const LyapunovSpectrum alone = lyapunov_spectrum(system, starts[k].p, starts[k].state, options);
-    const LyapunovSpectrum in_lanes = lane_spectrum(system, starts[k], options);
+    const LyapunovSpectrum in_lanes = spectrum_in_lanes(system, starts[k], options);
     CHECK(in_lanes.periods == alone.periods);
     CHECK(in_lanes.impacts == alone.impacts);
     CHECK(in_lanes.correlation_times[0] == Approx(alone.correlation_times[0]));
