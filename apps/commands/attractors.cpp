@@ -19,6 +19,7 @@
 
 #include <graze/floquet/basins/basins.hpp>
 #include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
@@ -91,7 +92,7 @@ Vector start_at(const Plane& plane, double x, double v) {
 Matrix grid_of(const Plane& plane, const std::array<Axis, 2>& axes, int threads) {
   const auto across = static_cast<std::size_t>(axes[0].count), rows = static_cast<std::size_t>(axes[1].count);
   Matrix starts(plane.others.size(), static_cast<Eigen::Index>(across * rows));
-  on_threads(threads, rows, [&](std::size_t j) {
+  in_parallel_on(threads, rows, [&](std::size_t j) {
     for (std::size_t i = 0; i < across; ++i)
       starts.col(static_cast<Eigen::Index>(j * across + i)) =
           start_at(plane, axes[0].at(static_cast<int>(i)), axes[1].at(static_cast<int>(j)));

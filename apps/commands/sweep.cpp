@@ -11,6 +11,7 @@
 #include <graze/apps/results/sweep_report.hpp>
 #include <graze/apps/text/long_text.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 
@@ -104,7 +105,7 @@ int run(const SweepArguments& given, const Console& console) {
     console.err << "graze sweep: " << swept.message << resume_advice(swept.status, options.output) << "\n";
   const int code = deliver(result, options.output, "sweep", exit_code(swept.status), console);
   // Releasing hundreds of thousands of rows, each with several lists, takes time: done in parallel.
-  on_threads(console.thread_count(), swept.rows.size(), [&](std::size_t k) { swept.rows[k] = {}; });
+  in_parallel_on(console.thread_count(), swept.rows.size(), [&](std::size_t k) { swept.rows[k] = {}; });
   return code;
 }
 

@@ -14,11 +14,9 @@
 
 #include <graze/floquet/follow/sweep.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
-
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <memory>
@@ -188,7 +186,7 @@ std::vector<Verification> verify_all(const Problem& problem, const Collected& co
   Progress progress(console.err, console.quiet, "verifying");
   std::mutex telling;
   std::size_t done = 0;
-  const auto one = [&](std::size_t i) {
+  in_parallel_on(console.thread_count(), count, [&](std::size_t i) {
     if (interrupted()) return;
     const Collected::Item& item = collected.orbits[i];
     Verification verification = verify_one(problem_at(problem, options, item.value), item, options);
@@ -198,9 +196,7 @@ std::vector<Verification> verify_all(const Problem& problem, const Collected& co
     progress.update(static_cast<double>(++done) / static_cast<double>(count), [&] {
       return fmt::format("{} of {}, {} = {}", done, counted(count, "orbit"), options.parameter, rounded(item.value, 7));
     });
-  };
-  oneapi::tbb::task_arena arena(console.thread_count());
-  arena.execute([&] { oneapi::tbb::parallel_for(std::size_t{0}, count, one, oneapi::tbb::simple_partitioner()); });
+  });
   std::vector<Verification> list;
   for (std::optional<Verification>& slot : slots)
     if (slot) list.push_back(std::move(*slot));

@@ -2,8 +2,8 @@
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/console/output_file.hpp>
 #include <graze/apps/drawing/draw_files.hpp>
-#include <graze/apps/text/long_text.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ bool draw_into_files(const std::vector<Drawing>& drawings, const Console& consol
   std::vector<std::optional<std::string>> failures(drawings.size());
   std::atomic<bool> is_interrupted = false;
   std::mutex telling;
-  on_threads(console.thread_count(), drawings.size(), [&](std::size_t k) {
+  in_parallel_on(console.thread_count(), drawings.size(), [&](std::size_t k) {
     const auto& [file, picture] = drawings[k];
     try {
       if (is_interrupted) throw Interrupted("it was not drawn, since drawing was interrupted");

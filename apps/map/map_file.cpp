@@ -4,8 +4,8 @@
 #include <graze/apps/map/map_file.hpp>
 #include <graze/apps/map/packed_cell.hpp>
 #include <graze/apps/results/input_file.hpp>
-#include <graze/apps/text/long_text.hpp>
 #include <graze/apps/text/version.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 #include <hdf5_hl.h>
@@ -300,7 +300,7 @@ void write_band(const std::vector<Handle>& datasets, const Band& band, const Ban
   for (std::size_t i = 0; i < data.fields.size(); ++i)
     for (int layer = 0; layer < band.layers; ++layer)
       for (int column = 0; column < band.columns; column += band.cell_columns()) cells.push_back({i, layer, column, {}});
-  on_threads(threads, cells.size(), [&](std::size_t k) {
+  in_parallel_on(threads, cells.size(), [&](std::size_t k) {
     Cell& one = cells[k];
     const MapField& field = data.fields[one.field];
     const std::string numbers = numbers_of(band, field, data.memory[one.field], cell_rows, one.layer, one.column);

@@ -3,6 +3,7 @@
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>
 #include <graze/apps/text/table.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
@@ -216,7 +217,7 @@ void map_csv(const MapPlan& plan, const MapRows& rows, int threads, const TextSi
     std::vector<std::vector<MapPoint>> points;
     for (int row = first; row < std::min(first + together, grid.rows.count); ++row) points.push_back(rows(row));
     std::vector<std::string> lines(points.size());
-    on_threads(threads, lines.size(), [&](std::size_t k) { lines[k] = write(first + static_cast<int>(k), points[k]); });
+    in_parallel_on(threads, lines.size(), [&](std::size_t k) { lines[k] = write(first + static_cast<int>(k), points[k]); });
     for (const std::string& text : lines) sink(text);
   }
 }

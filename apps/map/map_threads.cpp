@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/console/interrupt.hpp>
 #include <graze/apps/map/map_threads.hpp>
-
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <algorithm>
 #include <exception>
@@ -30,11 +28,7 @@ MapThreads::MapThreads(const MapPlan& plan, std::uint64_t fingerprint, int threa
             threads, [this](int first_row, std::vector<MapPoint> points) { finish(first_row, std::move(points)); }) {
   thread_ = std::thread([this, threads] {
     try {
-      oneapi::tbb::task_arena arena(threads);
-      arena.execute([this, threads] {
-        oneapi::tbb::parallel_for(
-            0, threads, [this](int) { work_.work(); }, oneapi::tbb::simple_partitioner());
-      });
+      in_parallel_on(threads, static_cast<std::size_t>(threads), [this](std::size_t) { work_.work(); });
     } catch (const std::exception& error) {
       const std::lock_guard lock(mutex_);
       error_ = std::string("points of the map could not be computed: ") + error.what();

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/published/points.hpp>
 #include <graze/apps/published/reproduction.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <iterator>
@@ -55,18 +54,14 @@ class Rows {
     const std::size_t count = order.size() + points_.size();
     std::mutex telling;
     std::size_t done = 0;
-    oneapi::tbb::task_arena arena(std::max(1, options_.threads));
-    arena.execute([&] {
-      const auto one = [&](std::size_t k) {
-        if (k < order.size())
-          motions_[order[k]] = motion(published_.exponents[order[k]]);
-        else
-          points_[k - order.size()] = points(published_.points[k - order.size()]);
-        if (cancelled()) return;
-        const std::lock_guard lock(telling);
-        progress(static_cast<double>(++done) / static_cast<double>(count));
-      };
-      oneapi::tbb::parallel_for(std::size_t{0}, count, one, oneapi::tbb::simple_partitioner());
+    in_parallel_on(options_.threads, count, [&](std::size_t k) {
+      if (k < order.size())
+        motions_[order[k]] = motion(published_.exponents[order[k]]);
+      else
+        points_[k - order.size()] = points(published_.points[k - order.size()]);
+      if (cancelled()) return;
+      const std::lock_guard lock(telling);
+      progress(static_cast<double>(++done) / static_cast<double>(count));
     });
   }
 

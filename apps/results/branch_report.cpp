@@ -2,8 +2,8 @@
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/results/branch_report.hpp>
 #include <graze/apps/results/orbit_report.hpp>
-#include <graze/apps/text/long_text.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 
@@ -82,7 +82,7 @@ std::vector<BranchQuantities> measure(const Quantities& quantities, const Hybrid
       places.push_back({&branch, point.value, point.orbit.duration, &point.orbit.states, &measured[b].special_points[i]});
     }
   }
-  on_threads(threads, places.size(), [&](std::size_t k) {
+  in_parallel_on(threads, places.size(), [&](std::size_t k) {
     const Place& place = places[k];
     Vector p = place.branch->parameters;
     p[static_cast<Eigen::Index>(parameter_index(system.parameters, place.branch->parameter))] = place.value;

@@ -4,8 +4,8 @@
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/results/same_points.hpp>
 #include <graze/apps/results/skeleton_report.hpp>
-#include <graze/apps/text/long_text.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 
@@ -267,7 +267,7 @@ void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, in
   }
   const std::vector<Branch>& branches = found.graph.branches;
   Json& list = result["branches"] = Json::array_t(branches.size());
-  on_threads(threads, branches.size(), [&](std::size_t k) { list[k] = json_of(branches[k]); });
+  in_parallel_on(threads, branches.size(), [&](std::size_t k) { list[k] = json_of(branches[k]); });
   put_same_points(list, branches);
   for (const std::vector<std::size_t>& curve : curves_of(found.graph.branches))
     for (const std::size_t place : curve) result["branches"][place]["family"] = found.graph.branches[curve.front()].id;

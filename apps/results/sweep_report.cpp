@@ -2,6 +2,7 @@
 #include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/results/sweep_report.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 
@@ -32,7 +33,7 @@ RowQuantities measure(const Quantities& quantities, const Problem& problem, cons
   if (quantities.empty()) return measured;
   measured.resize(rows.size());
   const auto index = static_cast<Eigen::Index>(parameter_index(problem.system.parameters, parameter));
-  on_threads(threads, rows.size(), [&](std::size_t k) {
+  in_parallel_on(threads, rows.size(), [&](std::size_t k) {
     const SweepRow& row = rows[k];
     if (row.states.empty()) return;
     const bool forced = is_forced(problem.system), closes = row.attractor.type == AttractorType::periodic;

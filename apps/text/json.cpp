@@ -3,6 +3,7 @@
 #include <graze/apps/text/json_layout.hpp>
 #include <graze/apps/text/json_member.hpp>
 #include <graze/apps/text/long_text.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -97,7 +98,7 @@ Json with_items(const Json& json, const LongList& list, int threads) {
   Json out = json;
   if (list.name.empty()) return out;
   Json& items = out[list.name] = Json::array_t(list.size);
-  on_threads(threads, list.size, [&](std::size_t k) { items[k] = Json::parse(text_of(list, k)); });
+  in_parallel_on(threads, list.size, [&](std::size_t k) { items[k] = Json::parse(text_of(list, k)); });
   return out;
 }
 

@@ -28,16 +28,6 @@ inline std::string whole_text(const LongText& text) {
   return all;
 }
 
-/// Calls work(0) ... work(n - 1) on `threads` threads, in any order.
-template <class Work> void on_threads(int threads, std::size_t n, const Work& work) {
-  if (threads > 1 && n > 1) {
-    oneapi::tbb::task_arena arena(threads);
-    arena.execute([&] { in_parallel(n, work); });
-  } else {
-    for (std::size_t k = 0; k < n; ++k) work(k);
-  }
-}
-
 /// Passes the texts that write(0, text) ... write(n - 1, text) append to `sink`, in order.
 template <class Write> void write_items(int threads, std::size_t n, const TextSink& sink, const Write& write) {
   constexpr std::size_t fewest = 16, most = 256, blocks_of_a_thread = 64, ahead_of_a_thread = 16;

@@ -11,10 +11,9 @@
 #include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/orbit/mirror.hpp>
 #include <graze/floquet/orbit/returns.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -82,7 +81,6 @@ class Graph {
     for (const Branch& branch : so_far)
       if (branch.stop != BranchStop::interrupted && !branch.points.empty()) restore(branch);
     for (const BranchSeed& seed : seeds) add_seed(seed, 0);
-    oneapi::tbb::task_arena arena(std::max(1, options_.threads));
     while (!tasks_.empty() && !cancelled()) {
       if (static_cast<int>(graph_.branches.size()) >= options_.max_branches) {
         cut_off_rest(fmt::format("{} branches are the limit", options_.max_branches));
@@ -92,10 +90,8 @@ class Graph {
       if (!choice_.all) std::erase_if(round, [&](const Task& task) { return excludes(task); });
       std::vector<Outcome> outcomes(round.size());
       const std::size_t known = graph_.branches.size();
-      arena.execute([&] {
-        oneapi::tbb::parallel_for(std::size_t{0}, round.size(), [&](std::size_t k) {
-          if (!cancelled()) outcomes[k] = follow(round[k], static_cast<int>(known + k) + 1);
-        });
+      in_parallel_on(options_.threads, round.size(), [&](std::size_t k) {
+        if (!cancelled()) outcomes[k] = follow(round[k], static_cast<int>(known + k) + 1);
       });
       for (std::size_t k = 0; k < round.size(); ++k) {
         const bool full = static_cast<int>(graph_.branches.size()) >= options_.max_branches;

@@ -7,8 +7,6 @@
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,19 +86,16 @@ class SeedFinder {
   void search_all(const std::function<void()>& keep) {
     std::size_t count = static_cast<std::size_t>(std::count(done_.begin(), done_.end(), char{1}));
     std::mutex telling;
-    oneapi::tbb::task_arena arena(std::max(1, options_.continuation.threads));
-    arena.execute([&] {
-      oneapi::tbb::parallel_for(std::size_t{0}, done_.size(), [&](std::size_t part) {
-        if (cancelled() || done_[part]) return;
-        std::vector<PeriodicOrbit> orbits = do_part(part);
-        const std::lock_guard lock(telling);
-        found_[part] = std::move(orbits);
-        done_[part] = !cancelled();
-        ++count;
-        if (options_.progress)
-          options_.progress("looking for orbits", static_cast<double>(count) / static_cast<double>(done_.size()));
-        keep();
-      });
+    in_parallel_on(options_.continuation.threads, done_.size(), [&](std::size_t part) {
+      if (cancelled() || done_[part]) return;
+      std::vector<PeriodicOrbit> orbits = do_part(part);
+      const std::lock_guard lock(telling);
+      found_[part] = std::move(orbits);
+      done_[part] = !cancelled();
+      ++count;
+      if (options_.progress)
+        options_.progress("looking for orbits", static_cast<double>(count) / static_cast<double>(done_.size()));
+      keep();
     });
   }
 

@@ -2,9 +2,7 @@
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/continuation/graph/sweep_against_branches.hpp>
 #include <graze/floquet/orbit/mirror.hpp>
-
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
+#include <graze/lib/numerics/parallel.hpp>
 
 #include <algorithm>
 
@@ -36,15 +34,12 @@ SweepComparison compare_sweep_with_branches(const HybridSystem& system, const st
   }
   out.compared = compared.size();
   std::vector<char> found(compared.size(), 0);
-  oneapi::tbb::task_arena arena(std::max(1, threads));
-  arena.execute([&] {
-    oneapi::tbb::parallel_for(std::size_t{0}, compared.size(), [&](std::size_t k) {
-      const SweepRow& row = rows[compared[k]];
-      // A branch of autonomous orbits stores states between the returns.
-      const std::vector<Vector> states = is_forced(system) ? row.states : std::vector<Vector>{row.end};
-      found[k] = std::any_of(branches.begin(), branches.end(), [&](const Branch& branch) {
-        return branch_contains(system, branch, states, row.value) || image_contains(system, branch, states, row.value);
-      });
+  in_parallel_on(threads, compared.size(), [&](std::size_t k) {
+    const SweepRow& row = rows[compared[k]];
+    // A branch of autonomous orbits stores states between the returns.
+    const std::vector<Vector> states = is_forced(system) ? row.states : std::vector<Vector>{row.end};
+    found[k] = std::any_of(branches.begin(), branches.end(), [&](const Branch& branch) {
+      return branch_contains(system, branch, states, row.value) || image_contains(system, branch, states, row.value);
     });
   });
   for (std::size_t k = 0; k < compared.size(); ++k)

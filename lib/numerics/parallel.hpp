@@ -4,6 +4,7 @@
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
@@ -38,19 +39,35 @@ struct Handover {
 #endif
 };
 
+/// Calls loop(one), which calls one(i) on several threads; one(i) calls body(i).
+template <class Body, class Loop> void hand_over(const Body& body, const Loop& loop) {
+  const Handover begin, end;
+  begin.give();
+  loop([&](std::size_t i) {
+    begin.take();
+    body(i);
+    end.give();
+  });
+  end.take();
+}
+
 /// Calls body(0) ... body(n - 1) in any order. A thread that waits for the rest takes no other work meanwhile, because it would
 /// have to finish that first.
 template <class Body> void in_parallel(std::size_t n, const Body& body) {
   if (n == 1) return body(std::size_t{0});
-  const Handover begin, end;
-  const auto one = [&](std::size_t i) {
-    begin.take();
-    body(i);
-    end.give();
-  };
-  begin.give();
-  oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, n, one); });
-  end.take();
+  hand_over(body, [n](const auto& one) {
+    oneapi::tbb::this_task_arena::isolate([&] { oneapi::tbb::parallel_for(std::size_t{0}, n, one); });
+  });
+}
+
+/// Calls body(0) ... body(n - 1), each a job of its own, in any order on an arena of this many threads (at least one). A thread
+/// that waits for the rest helps with the loops within other jobs.
+template <class Body> void in_parallel_on(int threads, std::size_t n, const Body& body) {
+  hand_over(body, [&](const auto& one) {
+    oneapi::tbb::task_arena(std::max(1, threads)).execute([&] {
+      oneapi::tbb::parallel_for(std::size_t{0}, n, one, oneapi::tbb::simple_partitioner());
+    });
+  });
 }
 
 /// The same on all threads, or in order on this one.
