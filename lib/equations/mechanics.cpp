@@ -25,13 +25,13 @@ Expression rate_along(Graph& graph, Expression e, const std::vector<Expression>&
   return rate_along(graph, e, [&](std::size_t i) { return field[i]; });
 }
 
-std::optional<Solution> solve_constraint(const Reading& reading, Expression e, const std::function<bool(std::size_t)>& allowed) {
-  Graph& graph = reading.graph;
-  if (const auto found = solve_guard(graph, e, reading.symbols.states.size(), allowed)) return found;
+std::optional<Solution> solve_constraint(const Names& names, Expression e, const std::function<bool(std::size_t)>& allowed) {
+  Graph& graph = names.graph;
+  if (const auto found = solve_guard(graph, e, names.symbols.states.size(), allowed)) return found;
   for (const std::size_t i : dependence(graph, e).states) {
     if (!allowed(i)) continue;
     const Expression slope = normal_form(graph, graph.derivative(e, graph.state(i)));
-    const Bounds range = bounds(graph, slope, reading.parameters);
+    const Bounds range = bounds(graph, slope, names.parameters);
     if (dependence(graph, slope).moves() || !(range.lower > 0.0 || range.upper < 0.0)) continue;
     const Expression rest = graph.substitute(e, {{graph.state(i).index, graph.constant(0.0)}});
     return Solution{i, normal_form(graph, graph.negate(graph.divide(rest, slope)))};
@@ -86,8 +86,9 @@ struct Combination {
 
 class Mechanics {
  public:
-  explicit Mechanics(const Reading& reading)
-      : reading_(reading), graph_(reading.graph), text_(reading.text), input_(*text_.mechanics), n_(input_.coordinates.size()) {}
+  explicit Mechanics(Names& names)
+      : names_(names), scope_(names.scope(true)), graph_(names.graph), text_(names.text), input_(*text_.mechanics),
+        n_(input_.coordinates.size()) {}
 
   Pieces make() {
     read_matrices();
@@ -105,9 +106,6 @@ class Mechanics {
   }
 
  private:
-  [[noreturn]] void refuse(const Place& place, const std::string& message) const {
-    throw EquationError(text_.source, place, message);
-  }
   Expression q(std::size_t i) const { return graph_.state(i); }
   Expression v(std::size_t i) const { return graph_.state(n_ + i); }
   Expression zero() const { return graph_.constant(0.0); }
@@ -127,10 +125,10 @@ class Mechanics {
     const auto on = dependence(graph_, e).states;
     return !on.empty() && on.back() >= n_;
   }
-  const std::string& velocity_in(Expression e) const { return reading_.symbols.states[dependence(graph_, e).states.back()]; }
+  const std::string& velocity_in(Expression e) const { return names_.symbols.states[dependence(graph_, e).states.back()]; }
 
   Vector probe() const {
-    if (reading_.start) return *reading_.start;
+    if (names_.start) return *names_.start;
     Vector x(static_cast<Eigen::Index>(2 * n_));
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = 0.1 * static_cast<double>(i + 1);
     return x;
@@ -138,7 +136,7 @@ class Mechanics {
   void not_negative(Expression e, const Text& text, const std::string& what) const {
     const Node& node = graph_.node(e);
     if (node.operation == Operation::constant && node.value < 0.0)
-      refuse(text.place, fmt::format("the {} is {}; allowed is >= 0", what, text.text));
+      names_.refuse(text.place, fmt::format("the {} is {}; allowed is >= 0", what, text.text));
   }
 
   /// The normal form, unless the expression is long.
@@ -148,7 +146,7 @@ class Mechanics {
     constexpr double rounding = 1e-9;
     return !(std::abs(value(e)) > rounding) && is_zero(graph_, e);
   }
-  double value(Expression e) const { return values(graph_, {&e, 1}, 0.0, probe(), reading_.defaults)[0]; }
+  double value(Expression e) const { return values(graph_, {&e, 1}, 0.0, probe(), names_.defaults)[0]; }
 
   // Reading ------------------------------------------------------------------------------------------------------------------
 
@@ -161,28 +159,28 @@ class Mechanics {
       if (node.operation != Operation::rate || known.contains(part.index)) continue;
       const Expression of = graph_.substitute(node.a, known);
       if (has_velocity(of))
-        refuse(known_place(graph_, *reading_.hazards, part).value_or(place),
-               fmt::format("an acceleration, the rate of {}, stands {}", velocity_in(of), where));
+        names_.refuse(known_place(graph_, names_.hazards, part).value_or(place),
+                      fmt::format("an acceleration, the rate of {}, stands {}", velocity_in(of), where));
       known.emplace(part.index, rate_along(graph_, of, field));
     }
     return graph_.substitute(e, known);
   }
 
   Expression read(const Text& text, const std::string& where, const Scope& names) const {
-    const Expression raw = parse_expression(graph_, text_.source, text, names, where, reading_.hazards);
+    const Expression raw = parse_expression(graph_, text_.source, text, names, where, &names_.hazards);
     return without_rates(raw, text.place, where);
   }
-  Expression read(const Text& text, const std::string& where) const { return read(text, where, reading_.names); }
+  Expression read(const Text& text, const std::string& where) const { return read(text, where, scope_); }
 
   /// The known names and one more. If the file already defines that name, it cannot be used.
   Scope with(const std::string& name, Expression meaning) const {
-    Scope out = reading_.names;
+    Scope out = scope_;
     const bool is_taken = out.find(name).has_value();
-    out.find = [find = reading_.names.find, name, meaning, is_taken](std::string_view one) {
+    out.find = [find = scope_.find, name, meaning, is_taken](std::string_view one) {
       return one != name ? find(one) : is_taken ? std::nullopt : std::optional(meaning);
     };
     if (is_taken)
-      out.refusal = [refusal = reading_.names.refusal, name](std::string_view one) {
+      out.refusal = [refusal = scope_.refusal, name](std::string_view one) {
         if (one == name)
           return fmt::format("the name '{}' has a meaning of its own, and another one in the file, which must be renamed,", name);
         return refusal ? refusal(one) : std::string();
@@ -194,12 +192,13 @@ class Mechanics {
   Square read_matrix(const std::vector<std::vector<Text>>& rows, const char* kind) const {
     const Place first = rows.empty() || rows[0].empty() ? input_.place : rows[0][0].place;
     if (rows.size() != n_)
-      refuse(first, fmt::format("the {} matrix has {} rows; there are {} coordinates", kind, rows.size(), n_));
+      names_.refuse(first, fmt::format("the {} matrix has {} rows; there are {} coordinates", kind, rows.size(), n_));
     Square out;
     for (std::size_t i = 0; i < n_; ++i) {
       if (rows[i].size() != n_)
-        refuse(rows[i].empty() ? first : rows[i][0].place,
-               fmt::format("row {} of the {} matrix has {} entries; there are {} coordinates", i + 1, kind, rows[i].size(), n_));
+        names_.refuse(
+            rows[i].empty() ? first : rows[i][0].place,
+            fmt::format("row {} of the {} matrix has {} entries; there are {} coordinates", i + 1, kind, rows[i].size(), n_));
       out.emplace_back();
       for (std::size_t j = 0; j < n_; ++j)
         out.back().push_back(read(rows[i][j], fmt::format("in the {} matrix, row {}, column {}", kind, i + 1, j + 1)));
@@ -214,14 +213,14 @@ class Mechanics {
         const Dependence on = dependence(graph_, mass[i][j]);
         const Place& place = input_.mass[i][j].place;
         if (has_velocity(mass[i][j]))
-          refuse(place, fmt::format("the mass matrix depends on the velocity {}", velocity_in(mass[i][j])));
-        if (on.time) refuse(place, "the mass matrix depends on the time");
+          names_.refuse(place, fmt::format("the mass matrix depends on the velocity {}", velocity_in(mass[i][j])));
+        if (on.time) names_.refuse(place, "the mass matrix depends on the time");
         if (j < i && !is_zero(graph_, graph_.subtract(mass[i][j], mass[j][i]))) {
           const double a = value(mass[i][j]), b = value(mass[j][i]);
           if (!(std::abs(a - b) <= symmetry_tolerance * (std::abs(a) + std::abs(b))))
-            refuse(place,
-                   fmt::format("the mass matrix is not symmetric: row {}, column {} is {:.6g}, row {}, column {} is {:.6g}",
-                               i + 1, j + 1, a, j + 1, i + 1, b));
+            names_.refuse(
+                place, fmt::format("the mass matrix is not symmetric: row {}, column {} is {:.6g}, row {}, column {} is {:.6g}",
+                                   i + 1, j + 1, a, j + 1, i + 1, b));
         }
       }
     }
@@ -230,12 +229,13 @@ class Mechanics {
     std::size_t row = 0;
     const auto inverse = solve(mass, identity, &row);
     if (!inverse)
-      refuse(input_.mass[row][row].place, fmt::format("the mass matrix is singular or not positive definite {} (row {})",
-                                                      reading_.start ? "at the start" : "at the default parameters", row + 1));
+      names_.refuse(input_.mass[row][row].place,
+                    fmt::format("the mass matrix is singular or not positive definite {} (row {})",
+                                names_.start ? "at the start" : "at the default parameters", row + 1));
     inverse_ = *inverse;
 
     if (!input_.force.empty() && input_.force.size() != n_)
-      refuse(input_.force[0].place, fmt::format("there are {} forces and {} coordinates", input_.force.size(), n_));
+      names_.refuse(input_.force[0].place, fmt::format("there are {} forces and {} coordinates", input_.force.size(), n_));
     const Square damping = input_.damping.empty() ? Square() : read_matrix(input_.damping, "damping");
     const Square stiffness = input_.stiffness.empty() ? Square() : read_matrix(input_.stiffness, "stiffness");
     for (std::size_t i = 0; i < n_; ++i) {
@@ -284,10 +284,10 @@ class Mechanics {
   }
 
   void check_name(const Text& name, const char* kind) {
-    if (name.text.empty()) refuse(name.place, fmt::format("a {} without a name", kind));
+    if (name.text.empty()) names_.refuse(name.place, fmt::format("a {} without a name", kind));
     for (const Contact& other : contacts_)
       if (other.name.text == name.text)
-        refuse(name.place, fmt::format("a stop or friction called '{}' exists already", name.text));
+        names_.refuse(name.place, fmt::format("a stop or friction called '{}' exists already", name.text));
   }
 
   void read_stop(const StopText& text) {
@@ -300,12 +300,13 @@ class Mechanics {
     stop.law = text.law.place;
     stop.gap = read(text.gap, fmt::format("in the gap of {}", name));
     if (has_velocity(stop.gap))
-      refuse(text.gap.place, fmt::format("the gap of {} depends on the velocity {}", name, velocity_in(stop.gap)));
+      names_.refuse(text.gap.place, fmt::format("the gap of {} depends on the velocity {}", name, velocity_in(stop.gap)));
     if (dependence(graph_, stop.gap).states.empty() || is_zero(graph_, stop.gap))
-      refuse(text.gap.place, fmt::format("the gap of {} depends on no coordinate", name));
+      names_.refuse(text.gap.place, fmt::format("the gap of {} depends on no coordinate", name));
     stop.rate = rate_along(graph_, stop.gap, field_of(Column(n_, zero())));
     finish(stop);
-    if (is_zero(graph_, stop.compliance)) refuse(text.gap.place, fmt::format("the gap of {} depends on no coordinate", name));
+    if (is_zero(graph_, stop.compliance))
+      names_.refuse(text.gap.place, fmt::format("the gap of {} depends on no coordinate", name));
     read_law(text, stop);
     contacts_.push_back(std::move(stop));
   }
@@ -325,12 +326,13 @@ class Mechanics {
     if (law == laws.end()) {
       std::vector<std::string> known;
       for (const Law& one : laws) known.push_back(one.name);
-      refuse(text.law.place, fmt::format("the stop {} has an unknown law '{}'{}; known are newton, hertz, linear and force", name,
-                                         text.law.text, suggestion(text.law.text, known)));
+      names_.refuse(text.law.place,
+                    fmt::format("the stop {} has an unknown law '{}'{}; known are newton, hertz, linear and force", name,
+                                text.law.text, suggestion(text.law.text, known)));
     }
     if (text.values.size() < law->least || text.values.size() > law->most)
-      refuse(text.law.place, fmt::format("the law {} of the stop {} has {} values; it takes {}", law->name, name,
-                                         text.values.size(), law->values));
+      names_.refuse(text.law.place, fmt::format("the law {} of the stop {} has {} values; it takes {}", law->name, name,
+                                                text.values.size(), law->values));
     const std::string where = fmt::format("in the law of {}", name);
     // Depth and its rate are symbols of their own until the law is known.
     const Expression d = graph_.state(2 * n_), d_rate = graph_.state(2 * n_ + 1);
@@ -340,14 +342,14 @@ class Mechanics {
       stop.restitution = read(text.values[0], where);
       const Node node = graph_.node(stop.restitution);
       if (node.operation == Operation::constant && !(node.value >= 0.0 && node.value <= 1.0))
-        refuse(text.values[0].place,
-               fmt::format("the restitution of the stop {} is {}; allowed is 0 to 1", name, text.values[0].text));
+        names_.refuse(text.values[0].place,
+                      fmt::format("the restitution of the stop {} is {}; allowed is 0 to 1", name, text.values[0].text));
       return;
     }
     Expression force;
     if (law->name == "force") {
       const Scope names = with("d", d);
-      const Expression raw = parse_expression(graph_, text_.source, text.values[0], names, where, reading_.hazards);
+      const Expression raw = parse_expression(graph_, text_.source, text.values[0], names, where, &names_.hazards);
       force = without_rates(raw, text.values[0].place, where, {{graph_.rate(d).index, d_rate}});
       Replacement powers;
       for (const Expression part : reachable(graph_, force)) {
@@ -402,16 +404,18 @@ class Mechanics {
     friction.where = text.speed.place;
     friction.law = text.law.place;
     friction.rate = read(text.speed, fmt::format("in the speed of {}", name));
-    if (!has_velocity(friction.rate)) refuse(text.speed.place, fmt::format("the speed of {} depends on no velocity", name));
+    if (!has_velocity(friction.rate))
+      names_.refuse(text.speed.place, fmt::format("the speed of {} depends on no velocity", name));
     finish(friction);
     for (const Expression one : friction.direction)
-      if (has_velocity(one)) refuse(text.speed.place, fmt::format("the speed of {} is not linear in {}", name, velocity_in(one)));
+      if (has_velocity(one))
+        names_.refuse(text.speed.place, fmt::format("the speed of {} is not linear in {}", name, velocity_in(one)));
     for (const Contact& other : contacts_)
       if (!other.is_stop && slides_with(friction, other))
-        refuse(text.speed.place,
-               fmt::format("{} slides whenever {} does, at the same speed or a multiple of it: which of them holds is "
-                           "not determined; write one friction with the sum of their forces",
-                           name, other.name.text));
+        names_.refuse(text.speed.place,
+                      fmt::format("{} slides whenever {} does, at the same speed or a multiple of it: which of them holds is "
+                                  "not determined; write one friction with the sum of their forces",
+                                  name, other.name.text));
     const Expression normal = read(text.normal, fmt::format("in the normal force of {}", name));
     not_negative(normal, text.normal, fmt::format("normal force of the friction {}", name));
     const std::string where = fmt::format("in the law of {}", name);
@@ -425,8 +429,9 @@ class Mechanics {
       sticking = read(*text.sticking, fmt::format("in the static coefficient of {}", name));
       const double at_rest = value(sticking), sliding = value(slow);
       if (at_rest < sliding)
-        refuse(text.sticking->place, fmt::format("the static coefficient of {} is {:.6g}, less than that of slow sliding, {:.6g}",
-                                                 name, at_rest, sliding));
+        names_.refuse(text.sticking->place,
+                      fmt::format("the static coefficient of {} is {:.6g}, less than that of slow sliding, {:.6g}", name, at_rest,
+                                  sliding));
     }
     friction.same_limit = is_zero(graph_, graph_.subtract(sticking, slow));
     friction.limit = graph_.multiply(sticking, normal);
@@ -445,8 +450,8 @@ class Mechanics {
     for (const Contact& contact : contacts_) {
       count *= static_cast<std::size_t>(contact.states);
       if (count > max_contact_modes)
-        refuse(contact.name.place, fmt::format("stops and friction up to {} make {} modes; at most {} are made",
-                                               contact.name.text, count, max_contact_modes));
+        names_.refuse(contact.name.place, fmt::format("stops and friction up to {} make {} modes; at most {} are made",
+                                                      contact.name.text, count, max_contact_modes));
     }
     std::vector<int> status(contacts_.size(), 0);
     for (std::size_t number = 0; number < count; ++number) {
@@ -521,7 +526,7 @@ class Mechanics {
                                      const std::function<bool(std::size_t)>& allowed) const {
     Replacement known;
     for (const Solution& one : at.solved) known.emplace(graph_.state(one.state).index, one.value);
-    const auto solution = solve_constraint(reading_, graph_.substitute(constraint, known), allowed);
+    const auto solution = solve_constraint(names_, graph_.substitute(constraint, known), allowed);
     if (!solution) return std::nullopt;
     for (Solution& one : at.solved)
       one.value = graph_.substitute(one.value, {{graph_.state(solution->state).index, solution->value}});
@@ -789,7 +794,8 @@ class Mechanics {
     }
   }
 
-  const Reading& reading_;
+  Names& names_;
+  Scope scope_;  // all names and the time
   Graph& graph_;
   const SystemText& text_;
   const MechanicsText& input_;
@@ -804,6 +810,6 @@ class Mechanics {
 
 }  // namespace
 
-Pieces make_mechanics(const Reading& reading) { return Mechanics(reading).make(); }
+Pieces make_mechanics(Names& names) { return Mechanics(names).make(); }
 
 }  // namespace graze::equations

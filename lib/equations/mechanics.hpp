@@ -16,26 +16,14 @@
 // other way), and the multiplier reaches the limit.
 #pragma once
 
+#include <graze/lib/equations/names.hpp>
 #include <graze/lib/equations/pieces.hpp>
 #include <graze/lib/equations/structure.hpp>
-#include <graze/lib/equations/system_text.hpp>
 
 namespace graze::equations {
 
 /// Largest number of modes from contacts.
 inline constexpr std::size_t max_contact_modes = 256;
-
-/// Information on a system before its modes exist.
-struct Reading {
-  Graph& graph;
-  const SystemText& text;
-  Scope names;  ///< including the time
-  std::vector<Hazard>* hazards;
-  const Symbols& symbols;
-  const std::vector<ParameterInfo>& parameters;
-  const Vector& defaults;
-  const std::optional<Vector>& start;
-};
 
 /// The rate of e along a field; only the entries on which e depends are requested.
 Expression rate_along(Graph& graph, Expression e, const std::function<Expression(std::size_t state)>& field);
@@ -43,9 +31,9 @@ Expression rate_along(Graph& graph, Expression e, const std::vector<Expression>&
 
 /// A state that e = 0 determines from the others, because e is linear in it with a coefficient that is constant along the
 /// motion.
-std::optional<Solution> solve_constraint(const Reading& reading, Expression e, const std::function<bool(std::size_t)>& allowed);
+std::optional<Solution> solve_constraint(const Names& names, Expression e, const std::function<bool(std::size_t)>& allowed);
 
 /// The modes and events of the mechanics. @throws EquationError
-Pieces make_mechanics(const Reading& reading);
+Pieces make_mechanics(Names& names);
 
 }  // namespace graze::equations

@@ -13,12 +13,13 @@ namespace {
 
 class Surfaces {
  public:
-  Surfaces(const Reading& reading, Pieces& pieces) : reading_(reading), graph_(reading.graph), pieces_(pieces) {}
+  Surfaces(Names& names, Pieces& pieces) : names_(names), graph_(names.graph), pieces_(pieces) {}
 
   void add(const SurfaceText& text) {
     const Expression h = function_of(text);
     const std::size_t below = mode_number(text.below), above = mode_number(text.above);
-    if (below == above) refuse(text.above.place, fmt::format("the mode {} stands on both sides of a surface", text.above.text));
+    if (below == above)
+      names_.refuse(text.above.place, fmt::format("the mode {} stands on both sides of a surface", text.above.text));
     const Expression rate_below = rate_along(graph_, h, pieces_.modes[below].field);
     const Expression rate_above = rate_along(graph_, h, pieces_.modes[above].field);
     const std::string& name = text.sliding ? text.sliding->text : text.function.text;
@@ -60,17 +61,13 @@ class Surfaces {
  private:
   using Column = std::vector<Expression>;
 
-  [[noreturn]] void refuse(const Place& place, const std::string& message) const {
-    throw EquationError(reading_.text.source, place, message);
-  }
-
   Expression function_of(const SurfaceText& text) const {
-    const Expression h = parse_expression(graph_, reading_.text.source, text.function, reading_.names,
-                                          "in the function of a surface", reading_.hazards);
+    const Expression h = parse_expression(graph_, names_.text.source, text.function, names_.scope(true),
+                                          "in the function of a surface", &names_.hazards);
     const Dependence on = dependence(graph_, h);
-    if (on.rate) refuse(text.function.place, "a rate stands in the function of a surface");
+    if (on.rate) names_.refuse(text.function.place, "a rate stands in the function of a surface");
     if (on.states.empty() || is_zero(graph_, h))
-      refuse(text.function.place, "the function of a surface does not depend on the motion: no state stands in it");
+      names_.refuse(text.function.place, "the function of a surface does not depend on the motion: no state stands in it");
     return h;
   }
 
@@ -80,12 +77,12 @@ class Surfaces {
       if (pieces_.modes[i].name == name.text) return i;
       names.push_back(pieces_.modes[i].name);
     }
-    refuse(name.place, fmt::format("a surface names an unknown mode '{}'{}", name.text, suggestion(name.text, names)));
+    names_.refuse(name.place, fmt::format("a surface names an unknown mode '{}'{}", name.text, suggestion(name.text, names)));
   }
 
   Column identity() const {
     Column out;
-    for (std::size_t i = 0; i < reading_.symbols.states.size(); ++i) out.push_back(graph_.state(i));
+    for (std::size_t i = 0; i < names_.symbols.states.size(); ++i) out.push_back(graph_.state(i));
     return out;
   }
 
@@ -93,13 +90,14 @@ class Surfaces {
                          Expression rate_above) {
     for (const ModePiece& other : pieces_.modes)
       if (other.name == text.sliding->text)
-        refuse(text.sliding->place, fmt::format("a mode called '{}' exists already", other.name));
+        names_.refuse(text.sliding->place, fmt::format("a mode called '{}' exists already", other.name));
     const Column &f = pieces_.modes[below].field, &g = pieces_.modes[above].field;
     const Expression sum = graph_.subtract(rate_below, rate_above);
     if (is_zero(graph_, sum))
-      refuse(text.function.place, fmt::format("nothing slides on this surface: the fields of {} and {} cross it at the same rate",
-                                              text.below.text, text.above.text));
-    solution_ = solve_constraint(reading_, h, [](std::size_t) { return true; });
+      names_.refuse(text.function.place,
+                    fmt::format("nothing slides on this surface: the fields of {} and {} cross it at the same rate",
+                                text.below.text, text.above.text));
+    solution_ = solve_constraint(names_, h, [](std::size_t) { return true; });
     ModePiece mode;
     mode.name = text.sliding->text;
     mode.place = text.sliding->place;
@@ -134,7 +132,7 @@ class Surfaces {
     return pieces_.events.back();
   }
 
-  const Reading& reading_;
+  Names& names_;
   Graph& graph_;
   Pieces& pieces_;
   std::optional<Solution> solution_;  // of h = 0
@@ -142,9 +140,9 @@ class Surfaces {
 
 }  // namespace
 
-void add_surfaces(const Reading& reading, Pieces& pieces) {
-  Surfaces surfaces(reading, pieces);
-  for (const SurfaceText& text : reading.text.surfaces) surfaces.add(text);
+void add_surfaces(Names& names, Pieces& pieces) {
+  Surfaces surfaces(names, pieces);
+  for (const SurfaceText& text : names.text.surfaces) surfaces.add(text);
 }
 
 }  // namespace graze::equations

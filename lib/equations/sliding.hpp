@@ -14,6 +14,6 @@
 namespace graze::equations {
 
 /// Adds the modes and events of the surfaces. @throws EquationError
-void add_surfaces(const Reading& reading, Pieces& pieces);
+void add_surfaces(Names& names, Pieces& pieces);
 
 }  // namespace graze::equations
