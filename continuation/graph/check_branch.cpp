@@ -36,8 +36,8 @@ void find_jumps(const Branch& branch, const auto& violated) {
   const double scale = std::max(high->value - low->value, 1e-300);
   const auto may_turn = [&](std::size_t k) {
     return std::any_of(branch.special_points.begin(), branch.special_points.end(), [&](const SpecialPoint& point) {
-      const bool aligning_periods = point.type == PointType::GR || point.type == PointType::LP || point.type == PointType::BP;
-      return aligning_periods && (point.after_point == k || point.after_point + 1 == k);
+      const bool may_have_corner = point.type == PointType::GR || point.type == PointType::LP || point.type == PointType::BP;
+      return may_have_corner && (point.after_point == k || point.after_point + 1 == k);
     });
   };
   for (std::size_t k = 1; k + 1 < branch.points.size(); ++k) {

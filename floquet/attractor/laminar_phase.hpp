@@ -22,17 +22,17 @@ class LaminarPhase {
   /// periods within which any motion that leaves an orbit has gone; 0: unknown.
   LaminarPhase(const Vector& state, int period, double nearness, std::int64_t longest_escape = 0)
       : period_(static_cast<std::size_t>(period)), nearness_(nearness), long_for_chaos_(longest_escape) {
-    begin(state, std::max(growth_test_periods, longest_escape));
+    begin(state, std::max(shortest_laminar_phase, longest_escape));
   }
   /// Repeats the test over the periods of the average if the motion repeats itself at the end of it.
   void look_back(const Vector& begin_of_average, std::int64_t periods) {
-    now_ = lasted_ >= static_cast<std::int64_t>(period_) + growth_test_periods;
+    now_ = lasted_ >= static_cast<std::int64_t>(period_) + shortest_laminar_phase;
     on_an_orbit_ = now_ && drift_ < near_an_orbit;
     stays_ = repeats_ && long_for_chaos_ > 0 && !on_an_orbit_;
     if (now_) begin(begin_of_average, periods);
   }
 
-  bool open() const { return repeats_ && lasted_ < longest_ && (now_ || on_it_ < growth_test_periods); }
+  bool open() const { return repeats_ && lasted_ < longest_ && (now_ || on_it_ < shortest_laminar_phase); }
   const Vector& state() const { return latest_.back(); }
   void see(Termination termination, const Vector& state) {
     ++lasted_;
@@ -53,7 +53,7 @@ class LaminarPhase {
   bool on_an_orbit() const { return on_an_orbit_; }
 
  private:
-  static constexpr std::int64_t growth_test_periods = 128;
+  static constexpr std::int64_t shortest_laminar_phase = 128;
   static constexpr double near_an_orbit = 1e-6;
   static double size(const Vector& x) { return x.lpNorm<Eigen::Infinity>(); }
   void begin(const Vector& state, std::int64_t periods) {

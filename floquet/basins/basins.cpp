@@ -29,11 +29,11 @@ constexpr std::size_t most_attractors = 200;  // more mean that nothing can be d
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: returns this close trigger a search for an orbit
 constexpr double patience = 128.0;            // periods: a search with Newton's method costs more than these
 constexpr int first_look = 64;                // periods
-constexpr std::size_t least_together = 8, max_simultaneous_contacts = 1024;  // motions of a group: whole registers
+constexpr std::size_t least_together = 8, largest_group = 1024;  // motions of a group: whole registers
 
 /// Size of a group of motions: the threads get equally many groups of similar size.
 std::size_t motions_of_a_group(std::size_t motions, std::size_t threads) {
-  const std::size_t turns = divide_rounding_up(motions, max_simultaneous_contacts * threads);
+  const std::size_t turns = divide_rounding_up(motions, largest_group * threads);
   return divide_rounding_up(divide_rounding_up(motions, turns * threads), least_together) * least_together;
 }
 

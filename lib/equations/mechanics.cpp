@@ -617,7 +617,7 @@ class Mechanics {
       SurfacePiece surface{contact.rate, find(changed(at.status, c, backward))->mode, at.mode, {}, {}};
       if (const Combination* held = find(changed(at.status, c, stuck))) {
         surface.sliding = held->mode;
-        surface.rounding_distance = held->replacement;
+        surface.state_on_surface = held->replacement;
       }
       out_.surfaces.push_back(std::move(surface));
     }

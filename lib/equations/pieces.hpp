@@ -65,7 +65,7 @@ struct SurfacePiece {
   Expression h;
   std::size_t below = 0, above = 0;
   std::optional<std::size_t> sliding = {};
-  Replacement rounding_distance = {};  ///< a state as a function of the others on h = 0, if known
+  Replacement state_on_surface = {};  ///< a state as a function of the others on h = 0, if known
   bool parts(std::size_t mode) const { return mode == sliding || (below != above && (mode == below || mode == above)); }
 };
 

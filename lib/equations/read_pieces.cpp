@@ -123,8 +123,8 @@ class PiecesReader {
     for (const SurfacePiece& surface : out_.surfaces) {
       if (!surface.parts(side.mode) || std::find(decided.begin(), decided.end(), surface.h) != decided.end()) continue;
       const Expression behind = graph_.substitute(surface.h, after);
-      const Expression change = side.mode == surface.sliding ? graph_.substitute(behind, surface.rounding_distance)
-                                                             : graph_.subtract(behind, surface.h);
+      const Expression change =
+          side.mode == surface.sliding ? graph_.substitute(behind, surface.state_on_surface) : graph_.subtract(behind, surface.h);
       if (is_zero(graph_, change)) continue;
       std::vector<Expression> known = decided;
       known.push_back(surface.h);

@@ -31,7 +31,7 @@ class Surfaces {
       if (solution_) stay[solution_->state] = solution_->value;
     }
     SurfacePiece surface{h, below, above, sliding, {}};
-    if (solution_) surface.rounding_distance.emplace(graph_.state(solution_->state).index, solution_->value);
+    if (solution_) surface.state_on_surface.emplace(graph_.state(solution_->state).index, solution_->value);
     pieces_.surfaces.push_back(std::move(surface));
     const auto on_surface = [&](Expression e) {
       return solution_ ? graph_.substitute(e, {{graph_.state(solution_->state).index, solution_->value}}) : e;

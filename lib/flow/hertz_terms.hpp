@@ -52,9 +52,9 @@ template <std::size_t k, class Terms>
   case C::amplitude:
     return s.y_cos[k];
   case C::frequency: {
-    double aligning_periods = s.t0 * s.y_sin[k];  // t y sin
-    for (std::size_t i = 0; i <= k; ++i) aligning_periods += s.motion[i][2] * s.y_sin[k - i];
-    return -s.q[C::amplitude] * aligning_periods;
+    double t_y_sin = s.t0 * s.y_sin[k];  // t y sin
+    for (std::size_t i = 0; i <= k; ++i) t_y_sin += s.motion[i][2] * s.y_sin[k - i];
+    return -s.q[C::amplitude] * t_y_sin;
   }
   case C::barrier:
     return s.q[C::stiffness] * (1.5 * s.even[k][0] + s.q[C::contact_damping] * next * s.odd[k + 1][0]);

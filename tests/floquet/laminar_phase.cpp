@@ -38,9 +38,9 @@ TEST_CASE("laminar phase: a slow departure from or approach to an orbit continue
     CHECK(watch.always());
     CHECK_FALSE(watch.on_an_orbit());
   }
-  const LaminarPhase rounding_distance = observed_phase([](int) { return 1.0; }, 1);
-  CHECK(rounding_distance.goes_on());
-  CHECK(rounding_distance.on_an_orbit());
+  const LaminarPhase on_orbit = observed_phase([](int) { return 1.0; }, 1);
+  CHECK(on_orbit.goes_on());
+  CHECK(on_orbit.on_an_orbit());
 }
 
 TEST_CASE("laminar phase: a motion next to an orbit is observed for less time than chaos") {
