@@ -1,23 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/graph/skeleton.hpp>
 
-#include <graze/floquet/attractor/attractor.hpp>
-#include <graze/floquet/orbit/returns.hpp>
+#include <graze/continuation/graph/settling_chain.hpp>
+#include <graze/floquet/follow/row_runner.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 
 namespace graze {
 
 namespace {
 
-constexpr std::size_t ways = 3;         // of settling: see attractors()
+constexpr std::size_t ways = 3;         // of settling: see rows_of()
+constexpr std::size_t long_rows = 2;    // of these; each keeps a thread busy
 constexpr std::size_t block_size = 10;  // parameter values of the stable search that share a box
 
 /// Number of events in a forcing period up to which the options are used unchanged. Above it, transients and numbers of values
@@ -86,9 +91,9 @@ class SeedFinder {
   void search_all(const std::function<void()>& keep) {
     std::size_t count = static_cast<std::size_t>(std::count(done_.begin(), done_.end(), char{1}));
     std::mutex telling;
-    in_parallel_on(options_.continuation.threads, done_.size(), [&](std::size_t part) {
-      if (cancelled() || done_[part]) return;
-      std::vector<PeriodicOrbit> orbits = do_part(part);
+    const auto finish = [&](std::size_t part, std::vector<PeriodicOrbit> orbits) {
+      std::erase_if(orbits, [&](const PeriodicOrbit& orbit) { return !wanted(orbit); });
+      for (PeriodicOrbit& orbit : orbits) move_to_start(orbit);
       const std::lock_guard lock(telling);
       found_[part] = std::move(orbits);
       done_[part] = !cancelled();
@@ -96,6 +101,20 @@ class SeedFinder {
       if (options_.progress)
         options_.progress("looking for orbits", static_cast<double>(count) / static_cast<double>(done_.size()));
       keep();
+    };
+    RowRunnerOptions running;
+    running.flow = options_.continuation.shooting.flow;
+    running.threads = long_rows;
+    running.cancelled = options_.continuation.cancelled;
+    RowRunner settling(system_, running);
+    std::array<Way, ways> settled;
+    for (const std::size_t way : {std::size_t{1}, std::size_t{2}, std::size_t{0}})  // the long rows first
+      if (!done_[way]) settling.give(rows_of(way, settled[way], finish));
+    settling.close();
+    in_parallel_on(options_.continuation.threads, done_.size(), [&](std::size_t part) {
+      if (part < long_rows) return settling.work();
+      if (part < ways) return;
+      if (!cancelled() && !done_[part]) finish(part, do_part(part));
     });
   }
 
@@ -153,12 +172,7 @@ class SeedFinder {
   }
 
   std::vector<PeriodicOrbit> do_part(std::size_t part) const {
-    std::vector<PeriodicOrbit> orbits = part < ways             ? attractors(static_cast<int>(part))
-                                        : part < ways + blocks_ ? search_stable(part - ways)
-                                                                : search(static_cast<int>(part - ways - blocks_));
-    std::erase_if(orbits, [&](const PeriodicOrbit& orbit) { return !wanted(orbit); });
-    for (PeriodicOrbit& orbit : orbits) move_to_start(orbit);
-    return orbits;
+    return part < ways + blocks_ ? search_stable(part - ways) : search(static_cast<int>(part - ways - blocks_));
   }
 
   /// An orbit on which friction holds a body all along is one of a continuum. Its place becomes that of the start, if friction
@@ -188,34 +202,49 @@ class SeedFinder {
     return search_stable_orbits(system_, parameters, searching);
   }
 
-  /// Way 0: from rest at each value; 1: sweep up; 2: sweep down.
-  std::vector<PeriodicOrbit> attractors(int way) const {
-    std::vector<PeriodicOrbit> found;
-    const Vector rest = start();
-    std::optional<Vector> previous;
+  /// The orbits of a way of settling, in the order of its values, and the number of its rows that are not finished.
+  struct Way {
+    std::vector<std::optional<PeriodicOrbit>> orbits = {};
+    std::atomic<std::size_t> open = 0;
+  };
+
+  /// Way 0: from rest at each value, a row each; 1: a row up; 2: a row down. `finish` receives the orbits of the whole way.
+  std::vector<std::shared_ptr<Row>> rows_of(std::size_t way, Way& out, const auto& finish) const {
     const int count = std::max(2, options_.settled_values);
-    for (int i = 0; i < count && !cancelled(); ++i) {
+    std::vector<Vector> all;
+    for (int i = 0; i < count; ++i) {
       const double part = static_cast<double>(i) / (count - 1);
-      const Vector p = at(way == 2 ? high_ - part * (high_ - low_) : low_ + part * (high_ - low_));
-      AttractorOptions settling;
-      settling.transient = options_.settle;
-      settling.max_period = std::min(settling.max_period, options_.settle);
-      settling.recurrence = 1e-4;  // chaotic transients are long: without this they would have to be cut off early
-      settling.lyapunov.cancelled = options_.continuation.cancelled;
-      settling.lyapunov.flow = options_.continuation.shooting.flow;
-      for (const Vector& start : {previous.value_or(rest), rest}) {
-        if (!mode_at(system_, 0.0, start, p)) continue;
-        const Attractor attractor = approach_attractor(system_, p, start, settling);
-        if (attractor.termination != Termination::time) continue;
-        // A return lies on a guard, which may move with the parameter value.
-        std::optional<PeriodicOrbit> orbit;
-        if (attractor.orbit) orbit = at_nodes(*attractor.orbit->whole);
-        if (way != 0) previous = orbit ? orbit->state : attractor.state;
-        if (orbit) found.push_back(std::move(*orbit));
-        break;
-      }
+      all.push_back(at(way == 2 ? high_ - part * (high_ - low_) : low_ + part * (high_ - low_)));
     }
-    return found;
+    AttractorOptions settling;
+    settling.transient = options_.settle;
+    settling.max_period = std::min(settling.max_period, options_.settle);
+    settling.recurrence = 1e-4;
+    settling.periods_on_orbit = 0;
+    settling.lyapunov.flow = options_.continuation.shooting.flow;
+    out.orbits.resize(all.size());
+    const std::size_t length = way == 0 ? 1 : all.size();
+    out.open = all.size() / length;
+    std::vector<std::shared_ptr<Row>> rows;
+    for (std::size_t first = 0; first < all.size(); first += length) {
+      const auto begin = all.begin() + static_cast<std::ptrdiff_t>(first);
+      Row::Listener listener;
+      listener.commit = [&out, first](std::size_t number, const RowPoint& point) {
+        if (point.attractor.orbit) out.orbits[first + number] = *point.attractor.orbit->whole;
+      };
+      listener.finished = [&out, way, finish] {
+        if (--out.open > 0) return;
+        std::vector<PeriodicOrbit> orbits;
+        for (std::optional<PeriodicOrbit>& orbit : out.orbits)
+          if (orbit) orbits.push_back(std::move(*orbit));
+        finish(way, std::move(orbits));
+      };
+      auto chain =
+          std::make_unique<SettlingChain>(system_, std::vector<Vector>(begin, begin + static_cast<std::ptrdiff_t>(length)),
+                                          start(), settling, options_.continuation.shooting);
+      rows.push_back(std::make_shared<Row>(std::move(chain), std::move(listener)));
+    }
+    return rows;
   }
 
   std::vector<PeriodicOrbit> search(int number) const {
