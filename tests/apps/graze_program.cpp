@@ -98,12 +98,12 @@ Outcome interrupt(const std::string& arguments, const std::string& sign, int sig
   return outcome;
 }
 
-Outcome run_shell(const std::string& text, const std::function<bool(pid_t)>& watch) {
+Outcome run_shell(const std::string& command, const std::function<bool(pid_t)>& watch) {
   const TemporaryFolder folder;
   const std::string out = folder.file("out"), err = folder.file("err");
-  std::string command = "exec >'" + out + "' 2>'" + err + "' </dev/null; exec " + text;
+  std::string redirected = "exec >'" + out + "' 2>'" + err + "' </dev/null; exec " + command;
   char shell[] = "/bin/sh", option[] = "-c";
-  char* const argv[] = {shell, option, command.data(), nullptr};
+  char* const argv[] = {shell, option, redirected.data(), nullptr};
   pid_t child = 0;
   if (posix_spawn(&child, shell, nullptr, nullptr, argv, environ) != 0) throw std::runtime_error("the shell cannot be started");
   int state = 0;

@@ -19,6 +19,7 @@
 using namespace graze;
 using namespace graze::apps;
 using namespace graze::support;
+using namespace std::string_literals;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -299,7 +300,7 @@ TEST_CASE("map: a damaged file is named with its damaged dataset") {
     folder.write("m.h5", bytes);
     return plotted();
   };
-  CHECK_THAT(replaced(std::string("lambda_1", 9), std::string("lambda_x", 9)), Contains("its dataset \"lambda_1\" is missing"));
+  CHECK_THAT(replaced("lambda_1\0"s, "lambda_x\0"s), Contains("its dataset \"lambda_1\" is missing"));
   CHECK_THAT(replaced("\"count\":3", "\"count\":4"), Contains("\"attractor\" has 1 x 3 x 6 values and should have 1 x 4 x 6"));
   folder.write("m.h5", whole.substr(0, whole.size() / 2));
   CHECK_THAT(plotted(), Contains("this HDF5 file is truncated or damaged"));

@@ -9,7 +9,6 @@
 using namespace graze;
 using namespace graze::apps;
 using namespace graze::support;
-using Catch::Matchers::Contains;
 
 namespace {
 

@@ -164,7 +164,7 @@ TEST_CASE("the length of a transient must not be negative") {
   options.transient = -1;
   CHECK_THROWS_WITH(approach_attractor(system, p, vector({0.0, 0.0}), options), Catch::Contains("the transient is -1 periods"));
   options.transient = 0;
-  const Attractor at_once = approach_attractor(system, p, vector({0.0, 0.0}), options);
-  CHECK(at_once.termination == Termination::time);
-  CHECK(at_once.state == vector({0.0, 0.0}));
+  const Attractor immediate = approach_attractor(system, p, vector({0.0, 0.0}), options);
+  CHECK(immediate.termination == Termination::time);
+  CHECK(immediate.state == vector({0.0, 0.0}));
 }

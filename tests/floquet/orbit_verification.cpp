@@ -69,7 +69,9 @@ TEST_CASE("all checks agree on a node, on a focus, and on an impactless orbit") 
 }
 
 TEST_CASE("changed values are detected") {
-  const auto [system, orbit] = settled_orbit("hertz", 0.925);
+  const Case settled = settled_orbit("hertz", 0.925);
+  const HybridSystem& system = settled.system;
+  const PeriodicOrbit& orbit = settled.orbit;
   const auto failing = [&](const PeriodicOrbit& changed) {
     std::vector<std::string> names;
     for (const OrbitCheck& check : verify_orbit(system, changed).checks)
@@ -113,7 +115,9 @@ TEST_CASE("the exponents of an unstable orbit are not averaged") {
 }
 
 TEST_CASE("aligned tangent vectors: the average at a node needs no long time") {
-  const auto [system, orbit] = settled_orbit("hertz", 0.925);
+  const Case settled = settled_orbit("hertz", 0.925);
+  const HybridSystem& system = settled.system;
+  const PeriodicOrbit& orbit = settled.orbit;
   LyapunovOptions options;
   options.standard_error = 0.0;
   options.max_periods = 20;

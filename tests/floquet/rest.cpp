@@ -116,8 +116,10 @@ TEST_CASE("starts that end at rest are recognised at once") {
   for (const double k_r : {0.8, 1.0}) {
     INFO("k_r " << k_r);
     Matrix starts(2, 64);
-    for (Eigen::Index i = 0; i < starts.cols(); ++i)
-      starts.col(i) << -1.0 - 0.1 * static_cast<double>(i % 8), 0.1 * static_cast<double>(i / 8) - 0.4;
+    for (Eigen::Index i = 0; i < starts.cols(); ++i) {
+      const Eigen::Index column = i % 8, row = i / 8;
+      starts.col(i) << -1.0 - 0.1 * static_cast<double>(column), 0.1 * static_cast<double>(row) - 0.4;
+    }
     const Basins basins = find_attractors(newton_oscillator(), pressed(k_r), starts, {});
     REQUIRE(basins.attractors.size() == 1);
     CHECK(basins.attractors.front().attractor.rests);

@@ -12,7 +12,6 @@
 
 using namespace graze;
 using namespace graze::support;
-using Catch::Matchers::Equals;
 
 namespace {
 

@@ -125,7 +125,9 @@ TEST_CASE("the sign of what is zero in a whole region is zero there (fixed)") {
       {"sign(max(x, 0))", [&](double x, double) { return sign(std::max(x, 0.0)); }},
       {"-0.5*sign(v*max(x, 0))", [&](double x, double v) { return -0.5 * sign(v * std::max(x, 0.0)); }},
       {"sign(min(x, 0) + max(v, 0))", [&](double x, double v) { return sign(std::min(x, 0.0) + std::max(v, 0.0)); }}};
-  for (const auto& [text, force] : forces) {
+  for (const auto& one : forces) {
+    const auto& text = one.first;
+    const auto& force = one.second;
     INFO(text);
     const equations::TextSystem read = equations::make_system(forced(text).system);
     require_same_field(read, [&](double, const Vector& x, const Vector&) { return force(x[0], x[1]); });
@@ -287,7 +289,9 @@ TEST_CASE("nests of nonsmooth functions move as the unsplit expression (fixed)")
       {"max(min(x, 0.2), max(2*abs(x) - 1, 0))*x",
        [](double x) { return std::max(std::min(x, 0.2), std::max(2.0 * std::abs(x) - 1.0, 0.0)) * x; }},
       {"clamp(abs(x), 0.1, max(0.5, x/2))", [](double x) { return std::clamp(std::abs(x), 0.1, std::max(0.5, 0.5 * x)); }}};
-  for (const auto& [text, force] : nests) {
+  for (const auto& one : nests) {
+    const auto& text = one.first;
+    const auto& force = one.second;
     INFO(text);
     const equations::TextSystem read = equations::make_system(forced(text).system);
     const Vector p = default_parameters(read.system.parameters);

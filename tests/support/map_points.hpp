@@ -4,7 +4,8 @@
 
 #include <graze/floquet/follow/parameter_map.hpp>
 
-#include <cstring>
+#include <bit>
+#include <cstdint>
 
 namespace graze::support {
 
@@ -13,7 +14,7 @@ inline MapLayer from_rest(MapDirection follow = MapDirection::none) {
 }
 
 /// Equal to the last bit, NaN included.
-inline bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+inline bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 inline bool same(const MapPoint& a, const MapPoint& b) {
   return a.type == b.type && a.period == b.period && a.impacts == b.impacts && same(a.lambda_1, b.lambda_1) &&
