@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch/branch_switching.hpp>
 
-#include <graze/continuation/conditions/branch_point_condition.hpp>
-#include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
 
@@ -53,132 +51,7 @@ std::optional<SignatureEquations::Violation> violation_beyond(SignatureStart& fr
   return from.problem.violation(u);
 }
 
-/// A special point in the coordinates best suited to its branch: those of its events, if it has hard impacts and does not
-/// stick.
-struct OwnCoordinates {
-  std::optional<SignatureProblem> by_events;
-  Vector u;
-};
-
-OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states) {
-  const HybridSystem& system = states.system();
-  OwnCoordinates own{std::nullopt, states.pack(point.orbit.nodes, point.orbit.duration, point.value)};
-  if (!has_hard_contacts(system) || states.equations().autonomous()) return own;
-  const std::optional<EventNodes> nodes = event_nodes(states.orbit(own.u));
-  if (!nodes || impacts(system, {0, nodes->sequence}) != point.orbit.impacts) return own;
-  own.by_events.emplace(system, point.orbit.parameters, states.period(), nodes->sequence, states.parameter(), states.scale(),
-                        states.equations().options());
-  own.u = own.by_events->pack(*nodes, point.value);
-  own.by_events->pin_as(states, own.u);
-  return own;
-}
-
-/// A point of the branch in these coordinates; empty if it cannot be expressed in them.
-Vector in_coordinates(const OwnCoordinates& own, OrbitProblem& states, const BranchPoint& point) {
-  OrbitProblem there = states.with_section(point.section_phase);
-  if (there.nodes() != static_cast<int>(point.nodes.size())) return {};
-  const Vector u = there.pack(point.nodes, point.duration, point.value);
-  if (!own.by_events) return there.to_section(states, u).value_or(Vector{});
-  const std::optional<EventNodes> nodes = event_nodes(there.orbit(u));
-  if (!nodes || nodes->sequence != own.by_events->sequence()) return {};
-  return own.by_events->pack(*nodes, point.value);
-}
-
-/// Direction from the branch's point before the special point to the one after it. The special point replaces a missing one.
-Vector direction_along(const OwnCoordinates& own, OrbitProblem& states, const SpecialPoint& point, const Branch& branch) {
-  const std::size_t k = point.after_point;
-  Vector before, after;
-  if (k < branch.points.size()) before = in_coordinates(own, states, branch.points[k]);
-  if (k + 1 < branch.points.size()) after = in_coordinates(own, states, branch.points[k + 1]);
-  if (before.size() == 0) before = own.u;
-  if (after.size() == 0) after = own.u;
-  return after - before;
-}
-
 }  // namespace
-
-std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options) {
-  OwnCoordinates own = own_coordinates(pd, parent);
-  const Vector& u = own.u;
-  std::optional<SignatureProblem>& by_events = own.by_events;
-  BranchProblem& problem = by_events ? static_cast<BranchProblem&>(*by_events) : parent;
-  const LocatedPoint located = locate_multiplier(problem, u, {.theta = std::numbers::pi});
-  if (located.v.size() == 0) return std::nullopt;
-  if (by_events && !located.newton.converged()) return std::nullopt;
-  const BranchProblem::Doubled doubled = problem.doubled(by_events ? located.u : u);
-  Vector direction = Vector::Zero(doubled.u.size());
-  const Vector v = located.v.real();
-  direction.head(2 * v.size()) << v, -v;
-  const ZeroProblem zero = doubled.problem->zero_problem();
-  direction /= weighted_norm(zero.weights, direction);
-  // The push and the steps after it are small, because in a cascade the next bifurcation may follow closely. The parameter
-  // grows with the square of the push, and fast beside a grazing; the smallest push is near the level of rounding.
-  for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
-    BranchStart start;
-    start.u = doubled.u + push * direction;
-    start.step = push;
-    if (!correct(zero, direction, start.u, options).converged()) continue;
-    start.orientation = start.u - doubled.u;
-    // A correction as long as the push has converged to another orbit.
-    if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push)) continue;
-    if (!doubled.problem->is_motion(start.u)) continue;
-    start.sequence = doubled.problem->sequence();
-    // If it does not have twice the impacts of its parent, it lies beyond a grazing or on another family.
-    const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
-    if (first.impacts != 2 * pd.orbit.impacts) continue;
-    start.states = first.states;
-    return start;
-  }
-  return std::nullopt;
-}
-
-std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& states, int side,
-                                          const TraceOptions& options) {
-  OwnCoordinates own = own_coordinates(bp, states);
-  BranchProblem& problem = own.by_events ? static_cast<BranchProblem&>(*own.by_events) : states;
-  const LocatedPoint located = locate_branch_point(problem, own.u);
-  const ZeroProblem zero = problem.zero_problem();
-  Vector residual;
-  Matrix jacobian;
-  if (!located.newton.converged() || !zero.evaluate(located.u, residual, &jacobian)) return std::nullopt;
-  // The kernel, and the direction within it that is normal to the branch, in the weighted norm.
-  const Vector unit = zero.weights.cwiseSqrt();
-  const Eigen::JacobiSVD<Matrix> svd(jacobian * unit.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
-  const Matrix kernel = svd.matrixV().rightCols(2);
-  const Vector along = kernel.transpose() * unit.cwiseProduct(direction_along(own, states, bp, branch));
-  if (!(along.norm() > 0.0)) return std::nullopt;
-  Vector direction = unit.cwiseInverse().cwiseProduct(kernel * Vector{{-along[1], along[0]}} / along.norm());
-  Eigen::Index largest = 0;
-  direction.head(direction.size() - 1).cwiseAbs().maxCoeff(&largest);  // the sign of a side must not depend on rounding
-  if (direction[largest] * side < 0.0) direction = -direction;
-  // The crossing branch need not be normal to this one. If no push along the normal leads to it, the first correction, which
-  // keeps the part along the normal, tells its direction.
-  struct Trial {
-    bool oblique;
-    double push;
-  };
-  for (const Trial& trial : std::initializer_list<Trial>{
-           {false, 2e-4}, {false, 5e-5}, {false, 1e-5}, {false, 2e-6}, {false, 1e-3}, {true, 2e-4}, {true, 5e-5}, {true, 1e-5}}) {
-    const double push = trial.push;
-    BranchStart start;
-    start.step = push;
-    const auto corrected = [&](const Vector& towards) {
-      start.u = located.u + push * towards;
-      return correct(zero, towards, start.u, options).converged() ? weighted_norm(zero.weights, start.u - located.u) : 0.0;
-    };
-    double length = corrected(direction);
-    constexpr double most_oblique = 20.0;
-    if (trial.oblique && length > 0.0 && length < most_oblique * push) length = corrected((start.u - located.u) / length);
-    if (length == 0.0 || !(length < 1.5 * push) || !problem.is_motion(start.u)) continue;
-    start.orientation = start.u - located.u;
-    start.sequence = problem.sequence();
-    const BranchPoint first = problem.branch_point(start.u, 0.0);
-    if (first.impacts != bp.orbit.impacts) continue;
-    start.states = first.states;
-    return start;
-  }
-  return std::nullopt;
-}
 
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options) {
@@ -298,39 +171,6 @@ std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGr
   SignatureStart start = start_with(problem, grazing.orbit, nodes, grazing.u[grazing.u.size() - 1], std::move(added));
   if (violation_beyond(start, options)) return std::nullopt;
   return start.start;
-}
-
-void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent, bool begins) {
-  if (child.points.empty()) return;
-  const std::size_t k = pd.after_point;
-  if (k + 1 >= parent.points.size()) return;
-  const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
-  const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
-  // Up to its nearest fold the doubled branch stays on one side, and there it is farthest away. Next to its birth its error is
-  // the corrector's tolerance divided by the distance from the parent.
-  const auto is_fold = [](const SpecialPoint& point) { return point.type == PointType::LP; };
-  std::size_t farthest = begins ? child.points.size() - 1 : 0;
-  if (begins) {
-    const auto fold = std::find_if(child.special_points.begin(), child.special_points.end(), is_fold);
-    if (fold != child.special_points.end()) farthest = std::min(farthest, fold->after_point);
-  } else {
-    const auto fold = std::find_if(child.special_points.rbegin(), child.special_points.rend(), is_fold);
-    if (fold != child.special_points.rend()) farthest = std::min(child.points.size() - 1, fold->after_point + 1);
-  }
-  const double away = child.points[farthest].value - pd.value;
-  if (!(std::abs(away) > 4.0 * pd.precision)) return;
-  const bool child_above = away > 0.0;
-  // Supercritical: the doubled orbit exists where its parent is unstable.
-  const std::string seen = unstable_above == child_above ? "supercritical" : "subcritical";
-  const auto predicted = pd.details.find("criticality");
-  if (predicted == pd.details.end()) {
-    pd.details.insert_or_assign("criticality", seen);
-    pd.details.insert_or_assign("criticality_from", std::string("branch"));
-    return;
-  }
-  const bool agrees = std::get<std::string>(predicted->second) == seen;
-  const char* from = agrees ? "normal form, confirmed by the branch" : "normal form; the branch starts on the other side";
-  pd.details.insert_or_assign("criticality_from", std::string(from));
 }
 
 void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& beyond, bool begins) {

@@ -1,36 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Start of a branch that is born on another one: its first point, and the direction away from its birth.
+// Branches that begin at the grazing of a hard contact (those born at other special points: TestFunction::born).
 #pragma once
 
+#include <graze/continuation/conditions/birth.hpp>
 #include <graze/continuation/conditions/grazing_edge.hpp>
-#include <graze/continuation/problems/special_point.hpp>
-#include <graze/continuation/trace/trace.hpp>
 
 #include <optional>
 
 namespace graze {
-
-struct BranchStart {
-  Vector u, orientation = {};
-  /// If set, u and orientation are in the coordinates of this signature (see SignatureEquations).
-  std::optional<std::vector<std::size_t>> sequence = {};
-  std::vector<Vector> states = {};  ///< of a doubled orbit, at forcing phase 0
-  bool on_grazing = false;          ///< u is the grazing itself, which is not a point of the branch
-  double step = 0.0;                ///< first step of the tracer; 0: the default one, which may step over nearby special points
-};
-
-/// At a period doubling: the orbit traversed twice, pushed apart along the eigenvector of -1. The corrector's arclength
-/// condition keeps the push, so that the corrector cannot return to the parent. An orbit with hard impacts is pushed in the
-/// coordinates of its events. The push is so small that the doubled orbit has twice the impacts; if no push achieves this, the
-/// period doubling lies on a grazing and the result is empty. `parent`: the equations of the orbit that doubles, in states.
-std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options);
-
-/// At a branch point: the other branch through it, on the side +1 or -1 (the two halves of a pitchfork). The tangents of both
-/// branches span the kernel of the equations' Jacobian. The start is pushed along the kernel direction normal to the tangent of
-/// `branch`, on which `bp` was met, and corrected there. Empty if no orbit with the same number of impacts is found. `states`:
-/// the equations of the branch, in states.
-std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& states, int side,
-                                          const TraceOptions& options);
 
 /// Largest number of contacts that may graze together.
 inline constexpr int max_simultaneous_contacts = 8;
@@ -54,10 +31,6 @@ std::optional<BranchStart> symmetric_start(OrbitProblem& problem, const LocatedG
 /// `problem`: equations for pattern.turns times the period.
 std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGrazing& grazing, TurnPattern pattern,
                                           const TraceOptions& options);
-
-/// Compares the side of `pd` on which the doubled branch `child` lies with the normal form's prediction, and writes the result
-/// to the details of `pd`. `begins`: the branch begins at `pd`; otherwise it ends there.
-void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent, bool begins);
 
 /// Decides between persistence and nonsmooth fold from the orbits of the branch that `ended` on the grazing and of the one
 /// `beyond` (which begins there if `begins`, otherwise ends there): persistence if they are admissible on different sides of

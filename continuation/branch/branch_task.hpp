@@ -7,14 +7,15 @@
 
 namespace graze {
 
-/// `symmetric`: beyond a grazing too, with the impacts of several contacts that are images of one another.
-enum class BranchOrigin { seed, doubled, crossing, beyond_grazing, symmetric, multiple };
+/// `born`: at a special point (Birth). `symmetric`: beyond a grazing too, with the impacts of several contacts that are images of
+/// one another.
+enum class BranchOrigin { seed, born, beyond_grazing, symmetric, multiple };
 
 /// A branch to be followed.
 struct BranchTask {
   BranchOrigin origin = BranchOrigin::seed;
   PeriodicOrbit orbit;                  ///< start orbit of a seed
-  int direction = 1;                    ///< seed: direction of the parameter; crossing: side of the branch point
+  int direction = 1;                    ///< seed: direction of the parameter; born: side of the special point
   std::size_t parent = 0, special = 0;  ///< places of the accepted branch and of its special point
   int generation = 0;
   int seed = 0;              ///< number of the seed, from 1 (the same for both directions); 0: none

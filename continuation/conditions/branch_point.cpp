@@ -9,9 +9,67 @@
 
 #include <graze/continuation/conditions/branch_point_condition.hpp>
 
+#include <Eigen/SVD>
+
 #include <cmath>
+#include <initializer_list>
 
 namespace graze {
+
+namespace {
+
+/// The other branch through the point, on the side +1 or -1 (the two halves of a pitchfork). The tangents of both branches span
+/// the kernel of the equations' Jacobian. The start is pushed along the kernel direction normal to the tangent of `branch`, on
+/// which `bp` was met, and corrected there. Empty if no orbit with the same number of impacts is found.
+std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& branch, OrbitProblem& states, int side,
+                                          const TraceOptions& options) {
+  OwnCoordinates own = own_coordinates(bp, states);
+  BranchProblem& problem = own.by_events ? static_cast<BranchProblem&>(*own.by_events) : states;
+  const LocatedPoint located = locate_branch_point(problem, own.u);
+  const ZeroProblem zero = problem.zero_problem();
+  Vector residual;
+  Matrix jacobian;
+  if (!located.newton.converged() || !zero.evaluate(located.u, residual, &jacobian)) return std::nullopt;
+  // The kernel, and the direction within it that is normal to the branch, in the weighted norm.
+  const Vector unit = zero.weights.cwiseSqrt();
+  const Eigen::JacobiSVD<Matrix> svd(jacobian * unit.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
+  const Matrix kernel = svd.matrixV().rightCols(2);
+  const Vector along = kernel.transpose() * unit.cwiseProduct(direction_along(own, states, bp, branch));
+  if (!(along.norm() > 0.0)) return std::nullopt;
+  Vector direction = unit.cwiseInverse().cwiseProduct(kernel * Vector{{-along[1], along[0]}} / along.norm());
+  Eigen::Index largest = 0;
+  direction.head(direction.size() - 1).cwiseAbs().maxCoeff(&largest);  // the sign of a side must not depend on rounding
+  if (direction[largest] * side < 0.0) direction = -direction;
+  // The crossing branch need not be normal to this one. If no push along the normal leads to it, the first correction, which
+  // keeps the part along the normal, tells its direction.
+  struct Trial {
+    bool oblique;
+    double push;
+  };
+  for (const Trial& trial : std::initializer_list<Trial>{
+           {false, 2e-4}, {false, 5e-5}, {false, 1e-5}, {false, 2e-6}, {false, 1e-3}, {true, 2e-4}, {true, 5e-5}, {true, 1e-5}}) {
+    const double push = trial.push;
+    BranchStart start;
+    start.step = push;
+    const auto corrected = [&](const Vector& towards) {
+      start.u = located.u + push * towards;
+      return correct(zero, towards, start.u, options).converged() ? weighted_norm(zero.weights, start.u - located.u) : 0.0;
+    };
+    double length = corrected(direction);
+    constexpr double most_oblique = 20.0;
+    if (trial.oblique && length > 0.0 && length < most_oblique * push) length = corrected((start.u - located.u) / length);
+    if (length == 0.0 || !(length < 1.5 * push) || !problem.is_motion(start.u)) continue;
+    start.orientation = start.u - located.u;
+    start.sequence = problem.sequence();
+    const BranchPoint first = problem.branch_point(start.u, 0.0);
+    if (first.impacts != bp.orbit.impacts) continue;
+    start.states = first.states;
+    return start;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 TestFunction branch_point_test() {
   TestFunction test;
@@ -31,6 +89,10 @@ TestFunction branch_point_test() {
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
   test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) { return locate_branch_point(problem, u); };
+  test.born = Birth{.sides = {1, -1},
+                    .located_only = true,
+                    .missing = "no orbit of the branch that crosses there was found",
+                    .start = crossing_start};
   return test;
 }
 

@@ -140,6 +140,80 @@ void describe(BranchProblem& problem, const LocatedPoint& located, SpecialPoint&
   verdict(*smooth, "normal form in the coordinates of the events");
 }
 
+/// The orbit traversed twice, pushed apart along the eigenvector of -1. The corrector's arclength condition keeps the push, so
+/// that the corrector cannot return to the parent. An orbit with hard impacts is pushed in the coordinates of its events. The
+/// push is so small that the doubled orbit has twice the impacts; if no push achieves this, the period doubling lies on a grazing
+/// and the result is empty. `parent`: the equations of the orbit that doubles, in states.
+std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& parent, const TraceOptions& options) {
+  OwnCoordinates own = own_coordinates(pd, parent);
+  const Vector& u = own.u;
+  std::optional<SignatureProblem>& by_events = own.by_events;
+  BranchProblem& problem = by_events ? static_cast<BranchProblem&>(*by_events) : parent;
+  const LocatedPoint located = locate_multiplier(problem, u, {.theta = std::numbers::pi});
+  if (located.v.size() == 0) return std::nullopt;
+  if (by_events && !located.newton.converged()) return std::nullopt;
+  const BranchProblem::Doubled doubled = problem.doubled(by_events ? located.u : u);
+  Vector direction = Vector::Zero(doubled.u.size());
+  const Vector v = located.v.real();
+  direction.head(2 * v.size()) << v, -v;
+  const ZeroProblem zero = doubled.problem->zero_problem();
+  direction /= weighted_norm(zero.weights, direction);
+  // The push and the steps after it are small, because in a cascade the next bifurcation may follow closely. The parameter
+  // grows with the square of the push, and fast beside a grazing; the smallest push is near the level of rounding.
+  for (const double push : {2e-4, 5e-5, 1e-5, 2e-6, 2e-7, 2e-8, 1e-3}) {
+    BranchStart start;
+    start.u = doubled.u + push * direction;
+    start.step = push;
+    if (!correct(zero, direction, start.u, options).converged()) continue;
+    start.orientation = start.u - doubled.u;
+    // A correction as long as the push has converged to another orbit.
+    if (!(weighted_norm(zero.weights, start.orientation) < 1.5 * push)) continue;
+    if (!doubled.problem->is_motion(start.u)) continue;
+    start.sequence = doubled.problem->sequence();
+    // If it does not have twice the impacts of its parent, it lies beyond a grazing or on another family.
+    const BranchPoint first = doubled.problem->branch_point(start.u, 0.0);
+    if (first.impacts != 2 * pd.orbit.impacts) continue;
+    start.states = first.states;
+    return start;
+  }
+  return std::nullopt;
+}
+
+/// Compares the side of `pd` on which the doubled branch `child` lies with the normal form's prediction, and writes the result
+/// to the details of `pd`.
+void confirm_criticality(const Branch& child, SpecialPoint& pd, const Branch& parent, bool begins) {
+  if (child.points.empty()) return;
+  const std::size_t k = pd.after_point;
+  if (k + 1 >= parent.points.size()) return;
+  const BranchPoint &before = parent.points[k], &after = parent.points[k + 1];
+  const bool unstable_above = (after.multipliers.unstable() > before.multipliers.unstable()) == (after.value > before.value);
+  // Up to its nearest fold the doubled branch stays on one side, and there it is farthest away. Next to its birth its error is
+  // the corrector's tolerance divided by the distance from the parent.
+  const auto is_fold = [](const SpecialPoint& point) { return point.type == PointType::LP; };
+  std::size_t farthest = begins ? child.points.size() - 1 : 0;
+  if (begins) {
+    const auto fold = std::find_if(child.special_points.begin(), child.special_points.end(), is_fold);
+    if (fold != child.special_points.end()) farthest = std::min(farthest, fold->after_point);
+  } else {
+    const auto fold = std::find_if(child.special_points.rbegin(), child.special_points.rend(), is_fold);
+    if (fold != child.special_points.rend()) farthest = std::min(child.points.size() - 1, fold->after_point + 1);
+  }
+  const double away = child.points[farthest].value - pd.value;
+  if (!(std::abs(away) > 4.0 * pd.precision)) return;
+  const bool child_above = away > 0.0;
+  // Supercritical: the doubled orbit exists where its parent is unstable.
+  const std::string seen = unstable_above == child_above ? "supercritical" : "subcritical";
+  const auto predicted = pd.details.find("criticality");
+  if (predicted == pd.details.end()) {
+    pd.details.insert_or_assign("criticality", seen);
+    pd.details.insert_or_assign("criticality_from", std::string("branch"));
+    return;
+  }
+  const bool agrees = std::get<std::string>(predicted->second) == seen;
+  const char* from = agrees ? "normal form, confirmed by the branch" : "normal form; the branch starts on the other side";
+  pd.details.insert_or_assign("criticality_from", std::string(from));
+}
+
 }  // namespace
 
 TestFunction period_doubling_test() {
@@ -159,6 +233,12 @@ TestFunction period_doubling_test() {
     return locate_multiplier(problem, u, {.theta = std::numbers::pi});
   };
   test.describe = describe;
+  Birth doubled{.multiple = 2, .certain = true, .missing = "no doubled orbit was found"};
+  doubled.start = [](const SpecialPoint& pd, const Branch&, OrbitProblem& states, int, const TraceOptions& options) {
+    return doubled_start(pd, states, options);
+  };
+  doubled.confirm = confirm_criticality;
+  test.born = doubled;
   return test;
 }
 

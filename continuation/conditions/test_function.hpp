@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // TestFunction: the definition of one type of bifurcation: a scalar along a branch whose sign change announces a special point,
-// a confirmation, and the extended system that locates the point.
+// a confirmation, the extended system that locates the point, and the branch that is born there.
 //
 // To add a bifurcation, write a file in this folder that makes a TestFunction, and add one line to test_functions(). A program
 // that uses the library passes its own in ContinuationOptions::further_tests; zero_test() makes one from a scalar of the orbit.
 #pragma once
 
+#include <graze/continuation/conditions/birth.hpp>
 #include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/problems/branch.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,7 @@ struct TestFunction {
   std::function<LocatedPoint(BranchProblem& problem, const Vector& u, const TestPoint& near)> locate;
   /// Adds details to the located point. Empty: none.
   std::function<void(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point)> describe = {};
+  std::optional<Birth> born = {};  ///< the branch that is born there; none: no branch is
 };
 
 TestFunction fold_test();
@@ -50,6 +53,9 @@ TestFunction zero_test(std::string name, const std::function<double(const Branch
 
 /// All test functions of bifurcations, in the order in which they are evaluated.
 const std::vector<TestFunction>& test_functions();
+
+/// The branch that is born at a point of this type by test_functions() or one of `further`; null if none is.
+const Birth* born_at(PointType type, const std::vector<TestFunction>& further);
 
 /// Whether the parameter is constant to rounding between two points. The branch is then a family of orbits of a conservative
 /// system at one parameter value. Each orbit has a multiplier +1, and the test functions of folds and branch points are

@@ -10,6 +10,13 @@ const std::vector<TestFunction>& test_functions() {
   return list;
 }
 
+const Birth* born_at(PointType type, const std::vector<TestFunction>& further) {
+  for (const std::vector<TestFunction>* list : {&test_functions(), &further})
+    for (const TestFunction& test : *list)
+      if (test.type == type && test.born) return &*test.born;
+  return nullptr;
+}
+
 bool stands_still(const TestPoint& before, const TestPoint& after) {
   // If a fold lay this close to both points, the value would change by about the square of the step.
   constexpr double tangent = 1e-9, least_step = 1e-6, rounding = 1e-14;

@@ -130,6 +130,12 @@ class Graph {
     if (std::none_of(graph_.cut_off.begin(), graph_.cut_off.end(), same)) graph_.cut_off.push_back(std::move(entry));
   }
 
+  /// The branch that the task follows from a special point; null if it begins elsewhere.
+  const Birth* birth_of(const Task& task) const {
+    if (task.origin != Origin::born) return nullptr;
+    return born_at(graph_.branches[task.parent].special_points[task.special].type, options_.further_tests);
+  }
+
   /// True if FamilyChoice excludes the task; the task is then counted or listed.
   bool excludes(const Task& task) {
     const auto because = [&](std::string reason) {
@@ -144,7 +150,8 @@ class Graph {
     if (seed && std::any_of(series_.begin(), series_.end(),
                             [&](const ChatterSeries& series) { return series.explains(task.orbit, value_of(task.orbit)); }))
       return because("of a series towards complete chatter");
-    if (task.origin == Origin::doubled && 2 * impacts > choice_.most_impacts_unseen &&
+    const Birth* birth = birth_of(task);
+    if (birth && birth->multiple > 1 && birth->multiple * impacts > choice_.most_impacts_unseen &&
         width(*parent) < choice_.narrowest * (high_ - low_)) {
       cut_off(task, fmt::format("more than {} impacts, born on a branch narrower than {:g} of the range",
                                 choice_.most_impacts_unseen, choice_.narrowest));
@@ -262,18 +269,19 @@ class Graph {
     set_scenario(branch, [&](SpecialPoint& grazing) { confirm_scenario(grazing, branch, *beyond, begins); });
   }
 
-  /// Confirms the period doubling at which a doubled branch ends: the one nearest to its last point, on a branch of half the
-  /// period.
+  /// Confirms the special point at which a branch of a multiple of its period ends (a period doubling, for a doubled branch): the
+  /// one nearest to its last point.
   void confirm_return(const Branch& child) {
     constexpr double max_distance = 0.1;  // two of the longest steps
-    if (child.stop != BranchStop::returned || child.period % 2 != 0 || child.points.empty()) return;
+    if (child.stop != BranchStop::returned || child.points.empty()) return;
     const BranchPoint& end = child.points.back();
     double nearest = max_distance;
-    std::pair<Branch*, SpecialPoint*> found{};
+    std::function<void()> confirm;
     for (Branch& parent : graph_.branches) {
-      if (2 * parent.period != child.period) continue;
       for (SpecialPoint& point : parent.special_points) {
-        if (point.type != PointType::PD || 2 * point.orbit.impacts != end.impacts) continue;
+        const Birth* birth = born_at(point.type, options_.further_tests);
+        if (!birth || birth->multiple == 1 || !birth->confirm) continue;
+        if (birth->multiple * parent.period != child.period || birth->multiple * point.orbit.impacts != end.impacts) continue;
         double distance = std::numeric_limits<double>::infinity();
         for (const Vector& state : point.orbit.states)
           distance =
@@ -281,10 +289,10 @@ class Graph {
         distance = std::max(distance, std::abs(point.value - end.value) / (high_ - low_));
         if (!(distance < nearest)) continue;
         nearest = distance;
-        found = {&parent, &point};
+        confirm = [&, birth] { birth->confirm(child, point, parent, false); };
       }
     }
-    if (found.first) confirm_criticality(child, *found.second, *found.first, false);
+    if (confirm) confirm();
   }
 
   void cut_off_rest(const std::string& reason) {
@@ -390,10 +398,8 @@ class Graph {
     switch (task.origin) {
     case Origin::seed:
       return follow_seed(task, provisional_id);
-    case Origin::doubled:
-      return follow_doubled(task, provisional_id);
-    case Origin::crossing:
-      return follow_crossing(task, provisional_id);
+    case Origin::born:
+      return follow_born(task, provisional_id);
     case Origin::beyond_grazing:
       return follow_beyond_grazing(task, provisional_id);
     case Origin::symmetric:
@@ -430,43 +436,30 @@ class Graph {
     return out;
   }
 
-  Outcome follow_doubled(const Task& task, int provisional_id) const {
+  /// The branch that is born at a special point, on one side of it.
+  Outcome follow_born(const Task& task, int provisional_id) const {
     Outcome out;
-    const SpecialPoint& pd = graph_.branches[task.parent].special_points[task.special];
-    PeriodicOrbit at_pd = pd.orbit;
-    at_pd.parameters[static_cast<Eigen::Index>(parameter_)] = pd.value;
-    OrbitProblem parent = problem_at(at_pd);
-    Branch branch = new_branch(task, at_pd, 2 * at_pd.period, provisional_id);
-    if (const std::optional<BranchStart> start = doubled_start(pd, parent, options_.trace)) {
-      OrbitProblem doubled = problem_at(at_pd, 2);
+    const Birth& birth = *birth_of(task);
+    const Branch& on = graph_.branches[task.parent];
+    const SpecialPoint& point = on.special_points[task.special];
+    PeriodicOrbit there = point.orbit;
+    there.parameters[static_cast<Eigen::Index>(parameter_)] = point.value;
+    OrbitProblem states = problem_at(there);
+    Branch branch = new_branch(task, there, birth.multiple * there.period, provisional_id);
+    if (const std::optional<BranchStart> start = birth.start(point, on, states, task.direction, options_.trace)) {
       const double value = start->u[start->u.size() - 1];
       if (value < low_ || value > high_ || is_known(start->states, value)) return out;
-      follow_from(*start, doubled, std::move(branch), out);
-      return out;
+      std::optional<OrbitProblem> longer;
+      if (birth.multiple > 1) longer.emplace(problem_at(there, birth.multiple));
+      follow_from(*start, longer ? *longer : states, std::move(branch), out);
+    } else if (birth.certain) {
+      branch.stop = BranchStop::start_failed;
+      branch.stop_value = point.value;
+      branch.message = fmt::format("{} beside {}", birth.missing, point.label);
+      out.branch = std::move(branch);
+    } else {
+      out.nothing = birth.missing;
     }
-    branch.stop = BranchStop::start_failed;
-    branch.stop_value = pd.value;
-    branch.message = fmt::format("no doubled orbit was found beside {}", pd.label);
-    out.branch = std::move(branch);
-    return out;
-  }
-
-  /// The other branch through a branch point, on one side of it.
-  Outcome follow_crossing(const Task& task, int provisional_id) const {
-    Outcome out;
-    const Branch& on = graph_.branches[task.parent];
-    const SpecialPoint& bp = on.special_points[task.special];
-    PeriodicOrbit at_bp = bp.orbit;
-    at_bp.parameters[static_cast<Eigen::Index>(parameter_)] = bp.value;
-    OrbitProblem problem = problem_at(at_bp);
-    const std::optional<BranchStart> start = crossing_start(bp, on, problem, task.direction, options_.trace);
-    if (!start) {
-      out.nothing = "no orbit of the branch that crosses there was found";
-      return out;
-    }
-    const double value = start->u[start->u.size() - 1];
-    if (value < low_ || value > high_ || is_known(start->states, value)) return out;
-    follow_from(*start, problem, new_branch(task, at_bp, at_bp.period, provisional_id), out);
     return out;
   }
 
@@ -560,8 +553,8 @@ class Graph {
     branch.mirrored = mirrored;
     branch.id = ++last_id_;
     for (SpecialPoint& point : branch.special_points) point.label = labels_.next(point.type);
-    if (task.origin == Origin::doubled)
-      confirm_criticality(branch, graph_.branches[task.parent].special_points[task.special], graph_.branches[task.parent], true);
+    if (const Birth* birth = birth_of(task); birth && birth->confirm)
+      birth->confirm(branch, graph_.branches[task.parent].special_points[task.special], graph_.branches[task.parent], true);
     const std::size_t index = graph_.branches.size();
     if (outcome.begins) edges_.push_back({*outcome.begins, index, true});
     if (outcome.ends) edges_.push_back({*outcome.ends, index, false});
@@ -583,7 +576,7 @@ class Graph {
       generation = generations_[static_cast<std::size_t>(parent - graph_.branches.begin())];
       for (const SpecialPoint& point : parent->special_points) {
         if (point.label != branch.parent->label) continue;
-        if (point.type == PointType::PD || point.type == PointType::BP) ++generation;
+        if (born_at(point.type, options_.further_tests)) ++generation;
         if (point.type != PointType::GR) continue;
         if (!is_partner(branch, *parent)) ++generation;
         edges_.push_back({first_edge(point, branch), graph_.branches.size(), true});
@@ -617,20 +610,20 @@ class Graph {
       add_multiples(beyond);
     }
     if (branch.stop == BranchStop::step_too_small)
-      cut_off({Origin::doubled, {}, 1, index, branch.special_points.size() - 1}, branch.message);
+      cut_off({Origin::born, {}, 1, index, branch.special_points.size() - 1}, branch.message);
     if (half) add_seed({*half}, generation);
     for (std::size_t s = 0; s < branch.special_points.size(); ++s) {
       const SpecialPoint& point = branch.special_points[s];
       if (generation >= options_.switch_generations) continue;
-      if (point.type == PointType::BP && point.status == PointStatus::converged)
-        for (const int side : {1, -1}) tasks_.add({Origin::crossing, {}, side, index, s, generation});
-      if (point.type != PointType::PD) continue;
-      const Task doubled{Origin::doubled, {}, 1, index, s, generation};
-      if (options_.max_period > 0 && 2 * branch.period > options_.max_period) {
-        cut_off(doubled, fmt::format("period {} is above the limit, {}", 2 * branch.period, options_.max_period));
-        continue;
+      const Birth* birth = born_at(point.type, options_.further_tests);
+      if (!birth || (birth->located_only && point.status != PointStatus::converged)) continue;
+      for (const int side : birth->sides) {
+        const Task task{Origin::born, {}, side, index, s, generation};
+        if (const int period = birth->multiple * branch.period; options_.max_period > 0 && period > options_.max_period)
+          cut_off(task, fmt::format("period {} is above the limit, {}", period, options_.max_period));
+        else
+          tasks_.add(task);
       }
-      tasks_.add(doubled);
     }
   }
 

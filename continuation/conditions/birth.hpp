@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Birth: a branch of orbits that is born at a special point of another one: its first point, and the direction away from there.
+#pragma once
+
+#include <graze/continuation/problems/branch.hpp>
+#include <graze/continuation/problems/signature_problem.hpp>
+#include <graze/continuation/trace/trace.hpp>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace graze {
+
+struct BranchStart {
+  Vector u, orientation = {};
+  /// If set, u and orientation are in the coordinates of this signature (see SignatureEquations).
+  std::optional<std::vector<std::size_t>> sequence = {};
+  std::vector<Vector> states = {};  ///< of an orbit beside the birth, at forcing phase 0
+  bool on_grazing = false;          ///< u is the grazing itself, which is not a point of the branch
+  double step = 0.0;                ///< first step of the tracer; 0: the default one, which may step over nearby special points
+};
+
+struct Birth {
+  int multiple = 1;              ///< its period over that of the orbit at the point
+  std::vector<int> sides = {1};  ///< a branch begins on each
+  bool located_only = false;     ///< no branch is started at a point that is only bracketed
+  /// The branch exists: if its start is not found, it is listed as failed. Otherwise the point is listed as cut off.
+  bool certain = false;
+  std::string missing = {};  ///< message if the start is not found
+  /// The first point on a side. `on`: the branch with the point; `states`: equations of the orbit there, in states. Empty if
+  /// none is found.
+  std::function<std::optional<BranchStart>(const SpecialPoint& point, const Branch& on, OrbitProblem& states, int side,
+                                           const TraceOptions& options)>
+      start = {};
+  /// Compares the branch with the description of the point, and writes the result to its details. `begins`: the branch begins
+  /// at the point; otherwise it ends there. Empty: there is nothing to compare.
+  std::function<void(const Branch& child, SpecialPoint& point, const Branch& on, bool begins)> confirm = {};
+};
+
+/// A special point in the coordinates best suited to its branch: those of its events, if it has hard impacts and does not
+/// stick.
+struct OwnCoordinates {
+  std::optional<SignatureProblem> by_events;
+  Vector u;
+};
+
+OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states);
+
+/// Direction from the branch's point before the special point to the one after it. The special point replaces a missing one.
+Vector direction_along(const OwnCoordinates& own, OrbitProblem& states, const SpecialPoint& point, const Branch& branch);
+
+}  // namespace graze
