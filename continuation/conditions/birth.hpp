@@ -3,7 +3,6 @@
 #pragma once
 
 #include <graze/continuation/problems/branch.hpp>
-#include <graze/continuation/problems/signature_problem.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
 #include <functional>
@@ -12,6 +11,8 @@
 #include <vector>
 
 namespace graze {
+
+class OrbitProblem;
 
 struct BranchStart {
   Vector u, orientation = {};
@@ -38,17 +39,5 @@ struct Birth {
   /// at the point; otherwise it ends there. Empty: there is nothing to compare.
   std::function<void(const Branch& child, SpecialPoint& point, const Branch& on, bool begins)> confirm = {};
 };
-
-/// A special point in the coordinates best suited to its branch: those of its events, if it has hard impacts and does not
-/// stick.
-struct OwnCoordinates {
-  std::optional<SignatureProblem> by_events;
-  Vector u;
-};
-
-OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states);
-
-/// Direction from the branch's point before the special point to the one after it. The special point replaces a missing one.
-Vector direction_along(const OwnCoordinates& own, OrbitProblem& states, const SpecialPoint& point, const Branch& branch);
 
 }  // namespace graze

@@ -8,6 +8,7 @@
 #include <graze/continuation/conditions/test_function.hpp>
 
 #include <graze/continuation/conditions/branch_point_condition.hpp>
+#include <graze/continuation/conditions/own_coordinates.hpp>
 
 #include <Eigen/SVD>
 

@@ -4,6 +4,7 @@
 // the point to the stated precision. A new test function fails the first test until a family with its bifurcation is added to
 // families().
 #include <graze/continuation/conditions/test_function.hpp>
+#include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/continuation/graph/continuation.hpp>
 #include <graze/continuation/problems/orbit_problem.hpp>
 
@@ -13,8 +14,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <vector>
 
 using namespace graze;
 using namespace graze::support;
@@ -247,4 +251,38 @@ TEST_CASE("a program that uses the library adds a condition of its own") {
   CHECK(text_detail(point, "condition") == "x = 0.65");
   CHECK(std::abs(point.value - 1.0 / 0.35) <= point.precision);
   CHECK(point.precision < 1e-11);
+}
+
+TEST_CASE("a condition from outside the library states which branch is born at its points") {
+  const HybridSystem system = logistic_map();
+  const PeriodicOrbit orbit = shoot(system, parameters(system, {{"lambda", 2.5}}), Vector{{0.6}}, 1);
+  ContinuationOptions options;
+  options.parameter = "lambda";
+  options.to = 2.9;
+  TestFunction test = zero_test("x = 0.65", [](const BranchPoint& point) { return point.state()[0] - 0.65; });
+  std::vector<int> asked;
+  Birth birth{.sides = {1, -1}, .missing = "nothing begins there"};
+  birth.start = [&asked](const SpecialPoint& point, const Branch& on, OrbitProblem& states, int side, const TraceOptions&) {
+    CHECK(point.type == PointType::UZ);
+    CHECK(on.id == 1);
+    CHECK(states.period() == 1);
+    asked.push_back(side);
+    return std::optional<BranchStart>();
+  };
+  test.born = birth;
+  options.further_tests = {test};
+  options.threads = 1;
+  const BranchGraph graph = follow_branches(system, {{orbit, {1}}}, options);
+  std::sort(asked.begin(), asked.end());
+  CHECK(asked == std::vector<int>{-1, 1});
+  CHECK(graph.branches.size() == 1);
+  REQUIRE(graph.cut_off.size() == 1);
+  CHECK(graph.cut_off[0].label == "UZ1");
+  CHECK(graph.cut_off[0].reason == "nothing begins there");
+
+  options.further_tests[0].born->certain = true;
+  const BranchGraph certain = follow_branches(system, {{orbit, {1}}}, options);
+  REQUIRE(certain.branches.size() == 3);
+  CHECK(certain.branches[1].stop == BranchStop::start_failed);
+  CHECK(certain.branches[1].message == "nothing begins there beside UZ1");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/continuation/conditions/birth.hpp>
+#include <graze/continuation/conditions/own_coordinates.hpp>
 
 namespace graze {
 
