@@ -10,7 +10,7 @@ namespace {
 
 double usual_length = 30.0;
 
-/// Smallest ratio of a stint's length to the cost of its end.
+/// Smallest ratio of an interval's length to the cost of its checkpoint.
 constexpr double worth = 20.0;
 
 }  // namespace
@@ -39,7 +39,7 @@ void CheckpointTimer::begin(std::size_t done) {
 void CheckpointTimer::news() {
   if (!length_ || over_) return;
   const double now = clock_();
-  // Until its first piece is finished, a stint must restart the work and redo the pieces lost before.
+  // Until its first piece is finished, an interval must restart the work and redo the pieces lost before.
   if (end_ == End::stops && first_again_) due_ = std::max(due_, begun_ + worth * (now - begun_));
   first_again_ = false;
   if (now < due_) return;

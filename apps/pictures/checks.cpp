@@ -102,7 +102,7 @@ Picture draw_checks(const Json& result) {
 
 /// The first orbits with the requested part of the hard limit, and their titles.
 std::vector<std::pair<std::string, const Json*>> hard_limits(const Json& result, const char* part) {
-  constexpr std::size_t most = 4;  // as many as can be told apart
+  constexpr std::size_t most = 4;  // more cannot be told apart
   std::vector<std::pair<std::string, const Json*>> list;
   for (const Json& orbit : result.at("orbits"))
     if (list.size() < most && orbit.contains("hard_limit") && orbit["hard_limit"].contains(part) &&

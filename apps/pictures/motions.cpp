@@ -2,7 +2,7 @@
 // Pictures of motions: time series and phase portraits of orbits, special points and trajectories, with the barrier drawn.
 #include <graze/apps/pictures/pictures.hpp>
 #include <graze/apps/pictures/range.hpp>
-#include <graze/apps/pictures/seen.hpp>
+#include <graze/apps/pictures/shown_quantity.hpp>
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/results/orbit_report.hpp>
 #include <graze/apps/text/number.hpp>

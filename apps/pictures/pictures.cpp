@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/pictures/seen.hpp>
+#include <graze/apps/pictures/shown_quantity.hpp>
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/quantities/quantities.hpp>
 #include <graze/apps/text/json_member.hpp>
@@ -88,7 +88,7 @@ Picture picture_of(const Json& result, const std::string& kind) {
     std::vector<std::string> known;
     for (const PictureKind& candidate : picture_kinds())
       if (std::find(known.begin(), known.end(), candidate.schema) == known.end()) known.push_back(candidate.schema);
-    throw std::invalid_argument(fmt::format("there is no picture of {:?}; there is of {}", schema, fmt::join(known, ", ")));
+    throw std::invalid_argument(fmt::format("unknown schema {}; known are {}", schema, fmt::join(known, ", ")));
   }
   std::string wanted = kind.empty() ? names.front() : kind;
   const std::string command = text_of(result, "command");
@@ -97,9 +97,9 @@ Picture picture_of(const Json& result, const std::string& kind) {
   for (const PictureKind& candidate : picture_kinds()) {
     if (candidate.schema != schema || candidate.name != wanted) continue;
     try {
-      return candidate.of_state ? draw_seen(candidate, result) : candidate.draw(result);
+      return candidate.of_state ? draw_shown(candidate, result) : candidate.draw(result);
     } catch (const Json::exception& error) {
-      throw std::invalid_argument(fmt::format("this result lacks what its picture needs: {}", plain(error)));
+      throw std::invalid_argument(fmt::format("the picture cannot be drawn: {}", plain(error)));
     }
   }
   throw std::invalid_argument(fmt::format("of {} {}", schema, unknown_name("kind of picture", kind, names)));
@@ -116,14 +116,14 @@ std::string model_title(const Json& result, const std::string& except) { return 
 namespace {
 
 /// Whether a quantity takes the place of the state.
-bool is_seen(const Json& result, std::size_t state) {
+bool is_shown(const Json& result, std::size_t state) {
   return result.contains(shown_quantity) && state == result.value(shown_place, std::size_t{0});
 }
 
 }  // namespace
 
 std::vector<Barrier> barriers_of(const Json& result, std::size_t state, bool vertical) {
-  if (is_seen(result, state)) return {};
+  if (is_shown(result, state)) return {};
   const Problem problem = problem_of(result);
   equations::Graph graph = *problem.written->graph;
   std::vector<Barrier> list;
@@ -184,13 +184,13 @@ std::string exponent_label(const Json& result) {
 }
 
 std::string state_name(const Json& result, std::size_t state) {
-  if (is_seen(result, state)) return result[shown_quantity];
+  if (is_shown(result, state)) return result[shown_quantity];
   return result.contains("states") ? result["states"].at(state).get<std::string>() : state == 0 ? "x" : "x'";
 }
 
 std::string state_label(const Json& result, std::size_t state, bool at_phase_0) {
   const std::string name = state_name(result, state);
-  if (is_seen(result, state)) return quantity_label(problem_of(result), name, at_phase_0);
+  if (is_shown(result, state)) return quantity_label(problem_of(result), name, at_phase_0);
   const bool forced = !result.contains("states") || is_forced(problem_of(result).system);
   return fmt::format("{}{}{}", name, at_phase_0 && forced ? " at forcing phase 0" : "", unit_behind(result, name));
 }

@@ -63,7 +63,7 @@ using StatePair = std::array<std::size_t, 2>;
 StatePair portrait_plane(const Json& result);
 
 /// The member of a result in which `graze plot --plane` stores the indices of two states.
-inline constexpr const char* shown_plane = "seen_plane";
+inline constexpr const char* shown_plane = "shown_plane";
 
 /// The unit after a name on an axis: " / mm", " (dimensionless)"; empty if the file gives no unit.
 std::string unit_behind(const Problem& problem, const std::string& name);

@@ -98,6 +98,15 @@ bool jumps_at(const Table& table, std::size_t row) {
   return table.rows.size() > 3 && row >= 1 && change(row) > 5.0 * std::max(change(row - 1), change(row + 1));
 }
 
+/// The error that a table cannot be drawn. `tried`: the columns that could be drawn if they had numbers.
+std::invalid_argument not_two_columns(const Table& table, const std::vector<std::size_t>& tried) {
+  const std::string needed = "a picture needs two columns of numbers; ";
+  if (tried.empty()) return std::invalid_argument(needed + fmt::format("the table has only {}", fmt::join(table.columns, ", ")));
+  const std::string& cell = table.rows.front()[tried.front()];
+  return std::invalid_argument(
+      needed + fmt::format("{} {} in row 1", table.columns[tried.front()], cell.empty() ? "is empty" : "has text"));
+}
+
 /// The numbers of several columns. A line ends where another branch, orbit or direction begins, and where v of a trajectory
 /// jumps.
 Picture draw_columns(const Table& table, const std::string& x, const Names& y) {
@@ -117,11 +126,13 @@ Picture draw_columns(const Table& table, const std::string& x, const Names& y) {
       if (i != across && i != part && numeric(i)) chosen.push_back(i);
   Names names;
   for (const std::size_t i : chosen) names.push_back(table.columns[i]);
-  const bool drawable = numeric(across) && std::any_of(chosen.begin(), chosen.end(), numeric);
-  if (!drawable)
-    throw std::invalid_argument(
-        fmt::format("there is nothing to draw: of {}, one column of numbers and another against it are needed",
-                    fmt::join(table.columns, ", ")));
+  if (!numeric(across) || std::none_of(chosen.begin(), chosen.end(), numeric)) {
+    std::vector<std::size_t> tried(chosen);
+    for (std::size_t i = 0; y.empty() && i < table.columns.size(); ++i)
+      if (i != across && i != part) tried.push_back(i);
+    if (!numeric(across)) tried.insert(x.empty() ? tried.end() : tried.begin(), across);
+    throw not_two_columns(table, tried);
+  }
   Picture picture;
   picture.x_label = table.columns.at(across);
   picture.y_label = names.size() <= 4 ? fmt::format("{}", fmt::join(names, ", ")) : fmt::format("{} columns", names.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/apps/map/map_report.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/pictures/seen.hpp>
+#include <graze/apps/pictures/shown_quantity.hpp>
 #include <graze/apps/pictures/written_result.hpp>
 #include <graze/apps/problem/head.hpp>
 #include <graze/apps/results/input_file.hpp>
@@ -53,7 +53,7 @@ Picture picture_of_text(const std::string& text, const std::string& file, const 
     if (format != "json") throw std::invalid_argument("the name must end in .json, .csv or .h5");
     return picture_of_json(text, view);
   } catch (const Json::exception& error) {
-    throw std::invalid_argument(fmt::format("{}: this result lacks what its picture needs: {}", file, plain(error)));
+    throw std::invalid_argument(fmt::format("{}: the picture cannot be drawn: {}", file, plain(error)));
   } catch (const equations::EquationError& error) {  // its line is one of a text within the result
     throw std::invalid_argument(fmt::format("{}: {}", file, error.sentence()));
   } catch (const std::invalid_argument& error) {

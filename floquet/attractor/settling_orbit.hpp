@@ -12,8 +12,8 @@ namespace graze {
 
 class RefusedOrbits;
 
-/// The orbit of a mass that rests forever at its stop (lib/rest.hpp), if the motion at `state` is on it or reaches it. Every
-/// search for an orbit tries this first. `may_rest` is a cheap test that excludes it.
+/// The orbit of a mass that rests forever at its stop (lib/motion/rest.hpp), if the motion at `state` is on it or reaches it.
+/// Every search for an orbit tries this first. `may_rest` is a cheap test that excludes it.
 std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector& state);
 bool may_rest(const HybridSystem& system, const Vector& p, const Vector& state);
 

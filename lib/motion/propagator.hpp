@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Propagator: carries a hybrid state through flow, event, reset and next flow. Everything that consumes motion (trajectories,
-// shooting, exponents, sweeps) goes through it, except for the periods carried in SIMD lanes (LaneCarrier). It keeps the flows
+// Propagator: carries a hybrid state through flow, event, reset and next flow. All consumers of motion (trajectories,
+// shooting, exponents, sweeps) use it, or a LaneCarrier for many periods at once in SIMD lanes. It keeps the flows
 // of all modes and their buffers, so that a new stretch allocates nothing.
 //
 // Chattering (infinitely many impacts in finite time): the flights form a geometric series of remaining time

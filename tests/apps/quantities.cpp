@@ -5,7 +5,7 @@
 #include <graze/apps/map/map_file.hpp>
 #include <graze/apps/pictures/maps.hpp>
 #include <graze/apps/pictures/pictures.hpp>
-#include <graze/apps/pictures/seen.hpp>
+#include <graze/apps/pictures/shown_quantity.hpp>
 #include <graze/apps/text/table.hpp>
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/apps/pictures/seen.hpp>
+#include <graze/apps/pictures/shown_quantity.hpp>
 #include <graze/lib/system/parameters.hpp>
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ Json values_of(const Json& point, const std::string& quantity) {
 }
 
 /// Puts the quantity in place of the state; false: the point has no value.
-bool see(Json& point, const std::string& quantity) {
+bool show(Json& point, const std::string& quantity) {
   Json values = values_of(point, quantity);
   if (values.empty()) return false;
   point["state"] = values.front();
@@ -34,12 +34,12 @@ bool see(Json& point, const std::string& quantity) {
   return true;
 }
 
-void see_branch(Json& branch, const std::string& quantity) {
+void show_in_branch(Json& branch, const std::string& quantity) {
   Json points = Json::array(), special = Json::array();
   std::vector<std::size_t> number;  // index of each point among those that remain, or of the last one before it
   bool gap = false;
   for (Json& point : branch.at("points")) {
-    if (!see(point, quantity)) {
+    if (!show(point, quantity)) {
       gap = true;
     } else {
       if (std::exchange(gap, false) && !points.empty()) point["after_gap"] = true;
@@ -48,7 +48,7 @@ void see_branch(Json& branch, const std::string& quantity) {
     number.push_back(points.empty() ? 0 : points.size() - 1);
   }
   for (Json& point : branch.at("special_points")) {
-    if (!see(point, quantity)) continue;
+    if (!show(point, quantity)) continue;
     const std::size_t after = point.at("after_point");
     if (after < number.size()) point["after_point"] = number[after];
     special.push_back(std::move(point));
@@ -58,7 +58,7 @@ void see_branch(Json& branch, const std::string& quantity) {
 }
 
 /// Puts the quantity in place of a state of a trajectory or a section.
-void see_columns(Json& out, const std::string& quantity) {
+void show_in_columns(Json& out, const std::string& quantity) {
   const Json& columns = out["columns"];
   const auto from = static_cast<std::size_t>(std::find(columns.rbegin(), columns.rend(), quantity).base() - columns.begin()) - 1;
   const bool section = out.contains("points");
@@ -73,10 +73,10 @@ Json with_quantity_as_state(const Json& result, const std::string& quantity) {
   Json out = result;
   out[shown_quantity] = quantity;
   if (out.contains("branches"))
-    for (Json& branch : out["branches"]) see_branch(branch, quantity);
+    for (Json& branch : out["branches"]) show_in_branch(branch, quantity);
   if (out.contains("rows"))
     for (Json& row : out["rows"]) row["states"] = row.contains("y") ? values_of(row, quantity) : Json::array();
-  if (out.contains("columns")) see_columns(out, quantity);
+  if (out.contains("columns")) show_in_columns(out, quantity);
   return out;
 }
 
@@ -94,7 +94,7 @@ Json with_quantities(Json result, const std::vector<std::string>& chosen) {
   return result;
 }
 
-Picture draw_seen(const PictureKind& kind, const Json& result) {
+Picture draw_shown(const PictureKind& kind, const Json& result) {
   const Json none = Json::object();
   const Json& options = result.contains("options") ? result["options"] : none;
   if (!options.contains("y")) return kind.draw(result);
