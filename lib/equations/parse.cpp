@@ -24,6 +24,12 @@ struct Token {
   double value = 0.0;
 };
 
+/// The end right behind the last of the first `count` tokens that is not a line break; at `otherwise` if there is none.
+Token end_behind(std::span<const Token> tokens, std::size_t count, std::size_t otherwise) {
+  while (count > 0 && tokens[count - 1].kind == Kind::line_break) --count;
+  return {Kind::end, count > 0 ? tokens[count - 1].offset + tokens[count - 1].length : otherwise, 0};
+}
+
 /// Longer tokens are shortened in messages.
 constexpr std::size_t longest_shown = 40;
 
@@ -143,7 +149,7 @@ class Reader {
                            instead.empty() ? std::string() : fmt::format("; write {}", instead)));
       }
     }
-    list.push_back({Kind::end, text.size(), 0});
+    list.push_back(end_behind(list, list.size(), text.size()));
     return list;
   }
 
@@ -456,8 +462,6 @@ const std::vector<std::string>& reserved_names() {
 }
 
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
-  constexpr std::size_t longest_name = 100;  // the cost of the distance is the product of the lengths
-  if (characters(name) < 2 || name.size() > longest_name) return {};
   const std::string nearest = nearest_name(name, candidates);
   return nearest.empty() ? std::string() : fmt::format("; did you mean '{}'?", nearest);
 }
@@ -555,7 +559,7 @@ std::vector<Assignment> parse_block(Graph& graph, const Source& source, const Te
     std::vector<Token> stretch(tokens.begin() + static_cast<std::ptrdiff_t>(at),
                                tokens.begin() + static_cast<std::ptrdiff_t>(end));
     const Token last = end > at ? tokens[end - 1] : tokens[at - 1];
-    stretch.push_back({Kind::end, last.offset + last.length, 0});
+    stretch.push_back(end_behind(tokens, end, 0));
     one.equation = end > at ? reader.place(tokens[at], last) : one.place;
     const std::string where = where_of(one.name);
     one.value = Parser(graph, reader, stretch, scope, where, hazards).whole();

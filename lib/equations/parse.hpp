@@ -75,8 +75,7 @@ struct Definition {
 std::vector<Expression> parse_definitions(Graph& graph, const Source& source, std::span<const Definition> definitions,
                                           const Scope& scope, std::string_view kind, std::vector<Hazard>* hazards = nullptr);
 
-/// "; did you mean 'eta'?" with the nearest candidate; empty if none is near. (Empty for a name of one letter, to which every
-/// other letter is near.)
+/// "; did you mean 'eta'?" with the nearest candidate (nearest_name); empty if none is near.
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
 /// The same, or "; choose one of ..." if none is near and they are few.
 std::string suggestion_or_list(std::string_view name, const std::vector<std::string>& candidates);

@@ -32,6 +32,11 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view given, const std::vector<std::string>& candidates) {
+  constexpr std::size_t longest_name = 100;  // the cost of the distance is the product of the lengths
+  const auto letters = std::count_if(given.begin(), given.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // no continuation byte of UTF-8
+  });
+  if (letters < 2 || given.size() > longest_name) return {};
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(1, (given.size() + 2) / 3) + 1;
   for (const std::string& candidate : candidates) {
@@ -44,9 +49,9 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
   return best;
 }
 
-std::string unknown_name(std::string_view what, std::string_view given, const std::vector<std::string>& candidates) {
+std::string unknown_name(std::string_view kind, std::string_view given, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(given, candidates);
-  return fmt::format("there is no {} {:?}{}; choose one of {}", what, given,
+  return fmt::format("there is no {} {:?}{}; choose one of {}", kind, given,
                      nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest), fmt::join(candidates, ", "));
 }
 

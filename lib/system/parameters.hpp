@@ -39,10 +39,10 @@ Vector default_parameters(const std::vector<ParameterInfo>& parameters);
 void check_parameters(const std::vector<ParameterInfo>& parameters, const Vector& values);
 
 /// The candidate nearest to `given` in edit distance; empty if the distance exceeds a third of the letters of `given`, rounded
-/// up.
+/// up. Empty also for a name of one letter, to which every other letter is near.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& candidates);
 
-/// "there is no <what> "given" (did you mean "..."?); choose one of ...": the message for every unknown name.
-std::string unknown_name(std::string_view what, std::string_view given, const std::vector<std::string>& candidates);
+/// "there is no KIND "given" (did you mean "..."?); choose one of ...": the message for every unknown name.
+std::string unknown_name(std::string_view kind, std::string_view given, const std::vector<std::string>& candidates);
 
 }  // namespace graze

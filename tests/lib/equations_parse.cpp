@@ -207,6 +207,8 @@ TEST_CASE("blocks: line breaks and semicolons separate equations and operators a
   REQUIRE(message_of("x' = v v' = x") == "text:1:11: a second '=' in the equation of x; is a line break or ; missing?");
   REQUIRE(message_of("x' = \nv' = x") == "text:1:5: nothing stands in the equation of x");
   REQUIRE(message_of("x' = (v\nv' = x") == "text:1:6: '(' is not closed in the equation of x");
+  REQUIRE(message_of("x' = v\nv' = x +\n\n") == "text:2:9: an operand is missing at the end in the equation of v");
+  REQUIRE(message_of("x' = v\nv' =\n") == "text:2:5: nothing stands in the equation of v");
   REQUIRE(message_of("x' = v +\nv' = x") == "text:1:9: an operand is missing at the end in the equation of x");
   REQUIRE(message_of("x' = v\n= 3") == "text:2:1: an equation \"name = expression\" was expected at '=' in the block");
 }

@@ -62,6 +62,8 @@ TEST_CASE("the nearest name is one typing error away") {
   REQUIRE(nearest_name("ix", names) == "xi");  // two letters swapped
   REQUIRE(nearest_name("stiffness", names).empty());
   REQUIRE(nearest_name("", names).empty());
+  REQUIRE(nearest_name("x", names).empty());  // one letter
+  REQUIRE(nearest_name("ξ", {"x"}).empty());
   REQUIRE(nearest_name("eta", {}).empty());
 }
 
