@@ -30,11 +30,15 @@ std::string sentence_of(const Written& written, const Node& n, Expression node, 
     if (operand[0] == 0.0) return fmt::format("the divisor {} is zero", shown(n.a));
     break;
   case Operation::log:
-    return fmt::format("the logarithm of {}, which is {}", shown(n.a), operand[0]);
+    return fmt::format("no {} logarithm: {} is {:.9g}", operand[0] < 0.0 ? "real" : "finite", shown(n.a), operand[0]);
   case Operation::sqrt:
   case Operation::power:
-    if (operand[0] < 0.0) return fmt::format("the root of {}, which is {}", shown(n.a), operand[0]);
-    return fmt::format("the power of {} is {}", shown(n.a), value);
+    if (operand[0] < 0.0)
+      return fmt::format("no real {}: {} is {:.9g}", n.operation == Operation::sqrt ? "root" : "power", shown(n.a), operand[0]);
+    return fmt::format("{} is {}, as {} is {}", shown(node), value, shown(n.a), operand[0]);
+  case Operation::asin:
+  case Operation::acos:
+    return fmt::format("no real {}: {} is {}", n.operation == Operation::asin ? "arcsine" : "arccosine", shown(n.a), operand[0]);
   default:
     break;
   }
