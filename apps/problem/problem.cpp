@@ -162,8 +162,8 @@ std::string owner_of(std::string_view parameter, const std::string& contact) {
       if (info.name == parameter && law.name != contact)
         return fmt::format(" ({} belongs to the {} contact law, and this model has {} contact)", parameter, law.name, contact);
   if (is_physical(parameter))
-    return fmt::format(" ({} is a physical quantity, which a problem file gives in its section [physical]; parameters are what "
-                       "it is turned into)",
+    return fmt::format(" ({} is a physical quantity, which a problem file gives in its section [physical] and which is converted "
+                       "to parameters)",
                        parameter);
   return {};
 }
@@ -536,12 +536,7 @@ Problem parse_system(const toml::table& root, std::string_view text, const std::
 Problem parse_problem(std::string_view text, const std::string& file) {
   const toml::table root = parse_toml(text, file);
   if (has_system(root)) return parse_system(root, text, file);
-  const std::vector<std::string> sections = {"model", "parameters", "physical", "start"};
-  for (const auto& [key, node] : root)
-    if (std::find(sections.begin(), sections.end(), key.str()) == sections.end())
-      throw std::invalid_argument(
-          fmt::format("{}: {}", toml_position(file, node.source()), unknown_name("section", key.str(), sections)));
-
+  check_sections(root, {file, std::string(text)}, {"model", "parameters", "physical", "start"});
   TomlSection model(file, root, "model"), parameters(file, root, "parameters"), physical(file, root, "physical"),
       start(file, root, "start");
   if (!model.present())

@@ -2,7 +2,6 @@
 #include <graze/apps/problem/system_file.hpp>
 
 #include <graze/apps/problem/toml_section.hpp>
-#include <graze/lib/system/parameters.hpp>
 
 #include <fmt/format.h>
 
@@ -22,9 +21,9 @@ class Reader {
   explicit Reader(Source source) : source_(std::move(source)) {}
 
   SystemText read(const toml::table& root) {
-    check_keys(root, "the file",
-               {"system", "parameters", "definitions", "modes", "events", "mechanics", "stops", "friction", "surfaces", "outputs",
-                "start", "tables", "units"});
+    check_sections(root, source_,
+                   {"system", "parameters", "definitions", "modes", "events", "mechanics", "stops", "friction", "surfaces",
+                    "outputs", "start", "tables", "units"});
     const bool mechanical = root.contains("mechanics");
     if (!mechanical && !root.contains("system"))
       refuse(place_of(root.source()), "there is no [system] with the names of the states");
@@ -75,8 +74,7 @@ class Reader {
     for (const auto& [key, node] : table) {
       const std::string name(key.str());
       if (std::find(allowed.begin(), allowed.end(), name) != allowed.end()) continue;
-      refuse(place_of(key.source()),
-             fmt::format("{} has no {}{}; allowed are {}", where, name, suggestion(name, allowed), fmt::join(allowed, ", ")));
+      refuse(place_of(key.source()), unknown_key(name, where, allowed));
     }
   }
 

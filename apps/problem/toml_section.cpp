@@ -89,6 +89,40 @@ std::string toml_position(const std::string& file, const toml::source_region& so
   return source.begin ? fmt::format("{}:{}", file, source.begin.line) : file;
 }
 
+namespace {
+
+/// "; did you mean A?" with the nearest known name, or "; known are A, B, C". `shown` gives the form of a name.
+template <class Shown>
+std::string nearest_or_known(std::string_view given, const std::vector<std::string>& known, const Shown& shown) {
+  if (const std::string nearest = nearest_name(given, known); !nearest.empty())
+    return fmt::format("; did you mean {}?", shown(nearest));
+  std::vector<std::string> list;
+  for (const std::string& name : known) list.push_back(shown(name));
+  return fmt::format("; known are {}", fmt::join(list, ", "));
+}
+
+}  // namespace
+
+std::string unknown_key(std::string_view key, std::string_view where, const std::vector<std::string>& known,
+                        const std::string& note) {
+  return fmt::format("unknown key '{}' in {}{}{}", key, where, note,
+                     nearest_or_known(key, known, [](const std::string& name) { return fmt::format("'{}'", name); }));
+}
+
+void check_sections(const toml::table& root, const equations::Source& source, const std::vector<std::string>& known) {
+  for (const auto& [key, node] : root) {
+    const std::string name(key.str());
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const bool array = node.is_array_of_tables(), section = array || node.is_table();
+    const auto shown = [array](const std::string& one) {
+      return fmt::format("{0}{1}{2}", array ? "[[" : "[", one, array ? "]]" : "]");
+    };
+    const std::string given = section ? "section " + shown(name) : fmt::format("key '{}' outside of the sections", name);
+    throw equations::EquationError(source, place_of(key.source()),
+                                   fmt::format("unknown {}{}", given, nearest_or_known(name, known, shown)));
+  }
+}
+
 TomlSection::TomlSection(const std::string& file, const toml::table& root, std::string name)
     : file_(file), name_(std::move(name)) {
   const toml::node* node = root.get(name_);
@@ -187,9 +221,9 @@ void TomlSection::finish(const std::string& contact) const {
   if (!table_) return;
   for (const auto& [key, node] : *table_)
     if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
-      throw std::invalid_argument(fmt::format("{}: in [{}], {}{}", toml_position(file_, node.source()), name_,
-                                              unknown_name("key", key.str(), known_),
-                                              contact.empty() ? "" : owner_of(key.str(), contact)));
+      throw std::invalid_argument(fmt::format(
+          "{}: {}", toml_position(file_, node.source()),
+          unknown_key(key.str(), fmt::format("[{}]", name_), known_, contact.empty() ? "" : owner_of(key.str(), contact))));
 }
 
 std::string TomlSection::where(std::string_view key) const {

@@ -26,6 +26,14 @@ equations::Place place_of(const toml::source_region& source);
 /// "file:line".
 std::string toml_position(const std::string& file, const toml::source_region& source);
 
+/// "unknown key 'q' in [[stops]]; did you mean 'p'?", or "...; known are ..." if no known key is near. `note` stands before the
+/// semicolon.
+std::string unknown_key(std::string_view key, std::string_view where, const std::vector<std::string>& known,
+                        const std::string& note = {});
+
+/// @throws equations::EquationError for a section of the file that is not among the known ones.
+void check_sections(const toml::table& root, const equations::Source& source, const std::vector<std::string>& known);
+
 /// The reader looks up the keys that are allowed; finish() complains about all others.
 class TomlSection {
  public:

@@ -89,11 +89,7 @@ std::size_t Published::items() const {
 
 Published parse_published(std::string_view text, const std::string& file) {
   const toml::table root = parse_toml(text, file);
-  const std::vector<std::string> sections = {"system", "special_point", "exponents", "diagram"};
-  for (const auto& [key, node] : root)
-    if (std::find(sections.begin(), sections.end(), key.str()) == sections.end())
-      throw std::invalid_argument(
-          fmt::format("{}: {}", toml_position(file, node.source()), unknown_name("section", key.str(), sections)));
+  check_sections(root, {file, std::string(text)}, {"system", "special_point", "exponents", "diagram"});
   Published out;
   out.file = file;
   TomlSection file_section(file, "", root);

@@ -326,9 +326,8 @@ class Mechanics {
     if (law == laws.end()) {
       std::vector<std::string> known;
       for (const Law& one : laws) known.push_back(one.name);
-      names_.refuse(text.law.place,
-                    fmt::format("the stop {} has an unknown law '{}'{}; known are newton, hertz, linear and force", name,
-                                text.law.text, suggestion(text.law.text, known)));
+      names_.refuse(text.law.place, fmt::format("the stop {} has an unknown law '{}'{}", name, text.law.text,
+                                                suggestion_or_list(text.law.text, known)));
     }
     if (text.values.size() < law->least || text.values.size() > law->most)
       names_.refuse(text.law.place, fmt::format("the law {} of the stop {} has {} values; it takes {}", law->name, name,

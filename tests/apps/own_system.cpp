@@ -489,8 +489,8 @@ TEST_CASE("a mistake in a system gives one sentence with its place") {
   CHECK_THAT(error("kind  = \"impact\"", "kind  = \"imapct\""), Contains("imapct"));
   CHECK_THAT(error("forcing = \"eta\"", "forcing = \"etaa\""), Contains("etaa"));
   CHECK_THAT(error("A   = 0.9", "A   = []"), Contains("wrong.toml:7:") && Contains("must be a number"));
-  CHECK_THAT(error("A   = 0.9", "A   = { value = 0.9, minimum = 0 }"), Contains("has no minimum"));
-  CHECK_THAT(error("[modes.free]", "[modus.free]"), Contains("has no modus"));
+  CHECK_THAT(error("A   = 0.9", "A   = { value = 0.9, minimum = 0 }"), Contains("unknown key 'minimum' in"));
+  CHECK_THAT(error("[modes.free]", "[modus.free]"), Contains("unknown section [modus]; did you mean [modes]?\n"));
   CHECK_THAT(error("name  = \"stop\"\n", ""), Contains("lacks name"));
   CHECK_THAT(error("states  = [\"x\", \"v\"]", "states  = \"x\""), Contains("states must be a list"));
   CHECK_THAT(error("xi*cos(eta*t)", "xi*cos(eta*t"), Contains("wrong.toml:"));
@@ -688,18 +688,18 @@ TEST_CASE("a part of an equation that is not finite at the start or later is nam
   // Without a start: rest.
   CHECK_THAT(refusal("- 0.01/x", {}), Contains("duffing.toml:15:37: the divisor x is zero at t = 0, x = 0, v = 0\n") &&
                                           Contains("\n                                    ^\n"));
-  CHECK_THAT(refusal("- log(x)", {}), Contains("duffing.toml:15:32: the logarithm of x, which is 0 at t = 0"));
-  CHECK_THAT(refusal("- sqrt(x - r)", {}), Contains("duffing.toml:15:32: the root of x - r, which is -0.6 at t = 0"));
-  CHECK_THAT(refusal("- asin(x - 3)", {}), Contains("duffing.toml:15:32: asin(x - 3) is nan, as x - 3 is -3 at t = 0"));
+  CHECK_THAT(refusal("- log(x)", {}), Contains("duffing.toml:15:32: no finite logarithm: x is 0 at t = 0"));
+  CHECK_THAT(refusal("- sqrt(x - r)", {}), Contains("duffing.toml:15:32: no real root: x - r is -0.6 at t = 0"));
+  CHECK_THAT(refusal("- asin(x - 3)", {}), Contains("duffing.toml:15:32: no real arcsine: x - 3 is -3 at t = 0"));
   // At a start from the command line.
   CHECK_THAT(refusal("- 0.01/(x + v)", {"--start", "x=0.2,v=-0.2"}), Contains("the divisor x + v is zero at t = 0, x = 0.2"));
   CHECK_THAT(refusal("- 0.01/(x + v)", {"--start", "0.2,-0.2"}, "trajectory"), Contains("duffing.toml:15:37: the divisor"));
   // Later: the motion passes x = 0 with a speed.
   CHECK_THAT(refusal("+ log(x)", {"--start", "0.3,0"}, "trajectory"),
-             Contains("stopped after") && Contains("duffing.toml:15:32: the logarithm of x, which is") && Contains("x = -"));
+             Contains("stopped after") && Contains("duffing.toml:15:32: no real logarithm: x is -") && Contains("x = -"));
   CHECK_THAT(refusal("- 0.01/x", {"--start", "0.3,0"}, "lyapunov"),
              Contains("duffing.toml:15:37: the divisor x goes through zero"));
-  CHECK_THAT(refusal("+ log(x)", {"--start", "0.3,0"}, "poincare"), Contains("duffing.toml:15:32: the logarithm of x"));
+  CHECK_THAT(refusal("+ log(x)", {"--start", "0.3,0"}, "poincare"), Contains("duffing.toml:15:32: no real logarithm: x is -"));
   // The place is that of the part also where functions that bend or jump have been resolved into modes.
   CHECK_THAT(refusal("- abs(v)/(x + 3*max(x, v))", {"--start", "0.2,-0.2"}), !Contains("duffing.toml:15:3:"));
   CHECK_THAT(refusal("- max(x, v)/(x + abs(v))", {}),

@@ -124,14 +124,14 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
     CHECK_THAT(refused("[model]\noscillator = 3\ncontact = \"hertz\"\n" + good),
                Contains("oscillator = 3") && Contains("text in quotes"));
     CHECK_THAT(refused("model = 3\n" + good), Contains("section [model]"));
-    CHECK_THAT(refused(model + "law = 1\n" + good), Contains("no key \"law\""));
+    CHECK_THAT(refused(model + "law = 1\n" + good), Contains("unknown key 'law' in [model]; known are 'oscillator', 'contact'"));
   }
   SECTION("parameters") {
     CHECK_THAT(refused(model), Contains("neither") && Contains("[physical]"));
     CHECK_THAT(refused(model + good + "[physical]\nm = 1\n"), Contains("has both"));
     CHECK_THAT(refused(model + "[parameters]\nk_h = 100\n"),
-               Contains("p.toml:5") && Contains("no key \"k_h\"") && Contains("did you mean \"k_H\""));
-    CHECK_THAT(refused(model + "[parameters]\nk_r = 0.5\n"), Contains("no key \"k_r\""));
+               Contains("p.toml:5") && Contains("unknown key 'k_h' in [parameters]") && Contains("; did you mean 'k_H'?"));
+    CHECK_THAT(refused(model + "[parameters]\nk_r = 0.5\n"), Contains("unknown key 'k_r'"));
     CHECK_THAT(refused(model + "[parameters]\nb = true\n"), Contains("b = true") && Contains("a number"));
     CHECK_THAT(refused(model + "[parameters]\nb = \"five\"\n"), Contains("five") && Contains("a number"));
     CHECK_THAT(refused(model + "[parameters]\nb = [1]\n"), Contains("a number"));
@@ -149,7 +149,7 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
     CHECK_THAT(refused(force), Contains("lacks rho") && Contains("clearance") && Contains("m)"));
     CHECK_THAT(refused(force + "rho = 0.08\n"), Contains("lacks k_h"));
     CHECK_THAT(refused(force + "rho = 0.08\nk_h = -1\n"), Contains("k_h is -1") && Contains("> 0"));
-    CHECK_THAT(refused(force + "rho = 0.08\nk_h = 5e4\nk_H = 1\n"), Contains("no key \"k_H\""));
+    CHECK_THAT(refused(force + "rho = 0.08\nk_h = 5e4\nk_H = 1\n"), Contains("unknown key 'k_H'"));
     CHECK_THAT(refused("[model]\noscillator = \"cantilever\"\ncontact = \"hertz\"\n[physical]\nexcitation = \"force\"\nm = 4\nk "
                        "= 100\nc = 2\nF0 = 4\n"
                        "omega = 1\nrho = 1\nk_h = 1\n"),
@@ -162,18 +162,19 @@ TEST_CASE("a wrong problem file is refused in one sentence") {
     CHECK_THAT(refused(start + "settle = -1\n"), Contains("whole number >= 0"));
     CHECK_THAT(refused(start + "settle = 1.5\n"), Contains("whole number >= 0"));
     CHECK_THAT(refused(start + "period = 0\n"), Contains("whole number >= 1"));
-    CHECK_THAT(refused(start + "periods = 1\n"), Contains("did you mean \"period\""));
+    CHECK_THAT(refused(start + "periods = 1\n"), Contains("did you mean 'period'?"));
   }
   SECTION("limits and keys of the model") {
     CHECK_THAT(refused(model + good + "[start]\nperiod = 2000\n"), Contains("whole number >= 1 and <= 1024"));
     CHECK_THAT(refused(model + good + "[start]\nsettle = 99999999999\n"), Contains("<= 2147483647"));
     CHECK_THAT(refused("[model]\noscilator = \"linear\"\ncontact = \"hertz\"\n" + good),
-               Contains("p.toml:2") && Contains("\"oscilator\"") && Contains("did you mean \"oscillator\""));
+               Contains("p.toml:2") && Contains("unknown key 'oscilator' in [model]; did you mean 'oscillator'?"));
     CHECK_THAT(refused(newton + "[parameters]\nk_H = 1\n"), Contains("k_H belongs to the hertz contact law"));
     CHECK_THAT(refused(model + "# \xff\n"), Contains("p.toml:4") && Contains("UTF-8"));
   }
   SECTION("TOML") {
-    CHECK_THAT(refused(model + "[parametres]\nb = 1\n"), Contains("\"parametres\"") && Contains("did you mean \"parameters\""));
+    CHECK_THAT(refused(model + "[parametres]\nb = 1\n"),
+               Contains("p.toml:4:2: unknown section [parametres]; did you mean [parameters]?\n"));
     CHECK_THAT(refused(model + std::string("x\0 = 1\n", 7)), Contains("p.toml:4:2: not valid TOML") && Contains("\nx? = 1\n ^"));
     CHECK_THAT(refused(model + "[parameters]\nb = \n"), Contains("p.toml:5") && Contains("not valid TOML"));
     CHECK_THAT(refused(model + "[parameters]\nb = 1\nb = 2\n"), Contains("p.toml:6:5: not valid TOML") && Contains("\n    ^"));
