@@ -22,7 +22,7 @@ for purpose in "$@"; do
 done
 
 if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
-  echo "install_packages.sh: not a Debian system, nothing installed; graze needs what Debian calls" \
+  echo "install_packages.sh: not a Debian system, nothing installed; graze needs the packages that Debian calls" \
     "${packages[*]}" >&2
   exit 0
 fi

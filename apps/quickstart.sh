@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From nothing to a picture: installs what is missing, builds graze, follows the orbit of the damped-Hertz
+# From nothing to a picture: installs missing packages, builds graze, follows the orbit of the damped-Hertz
 # oscillator from eta = 0.95 to 0.90 through its period doubling.
 # usage: quickstart.sh [FOLDER]      FOLDER gets the picture and the JSON file; build/quickstart if not given
 set -euo pipefail

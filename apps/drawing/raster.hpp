@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Images: coloured cells, and curves with so many points that gnuplot would draw for minutes, converted to the pixels that they
-// touch. The cost of an image does not depend on the number of points. No visible detail is lost.
+// Images: coloured cells, and curves with too many points for gnuplot, which would draw for minutes, converted to the pixels that
+// they touch. The cost of an image does not depend on the number of points. No visible detail is lost.
 #pragma once
 
 #include <graze/apps/drawing/picture.hpp>
@@ -33,8 +33,8 @@ Image image_of(const Cells& cells);
 /// The pixels touched by curves; later curves lie on top.
 class Raster {
  public:
-  /// `x`, `y`: the ranges of the axes; `columns`, `rows`: pixels, at most as many as the axes have: gnuplot drops those without
-  /// room.
+  /// `x`, `y`: the ranges of the axes; `columns`, `rows`: numbers of pixels, at most those of the axes: gnuplot drops pixels
+  /// without room.
   Raster(const std::array<double, 2>& x, const std::array<double, 2>& y, int columns = 800, int rows = 500);
   void paint(const Curve& curve);
   Image image() const;

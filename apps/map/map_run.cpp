@@ -26,7 +26,7 @@ constexpr milliseconds nap{2};
 constexpr milliseconds heartbeat{5000};
 constexpr double silence = 120.0;  // seconds without a message
 
-constexpr const char* no_message = "what came from rank {} is no message of a map; start all ranks with the same graze";
+constexpr const char* no_message = "rank {} sent an invalid message; start all ranks with the same graze";
 
 /// The work of rank 0.
 class Master {

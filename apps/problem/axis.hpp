@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Axis: equally spaced values of one coordinate, in the form of the command line: a:b:n.
+// Axis: equally spaced values of one coordinate, in the form of the command line: A:B:N.
 #pragma once
 
 #include <string>
@@ -15,11 +15,11 @@ struct Axis {
   double at(int i) const { return count == 1 ? from : i == count - 1 ? to : from + i * ((to - from) / (count - 1)); }
 };
 
-/// "a:b:n", or "a:b" for 64 values; not `counted`: only a range "a:b". `option` is the name used in messages.
+/// "A:B:N", or "A:B" for 64 values; not `counted`: only a range "A:B". `option` is the name used in messages.
 /// @throws std::invalid_argument in one sentence.
 Axis parse_axis(std::string_view option, const std::string& text, bool counted);
 
-/// "NAME:a:b:n", as name and axis. @throws std::invalid_argument in one sentence.
+/// "NAME:A:B:N", as name and axis. @throws std::invalid_argument in one sentence.
 std::pair<std::string, Axis> parse_named_axis(std::string_view option, const std::string& text);
 
 }  // namespace graze::apps

@@ -70,15 +70,16 @@ std::ptrdiff_t line_of(const std::string& text, std::size_t place) {
 Json parse_json(const std::string& text) {
   if (const auto place = too_deep(text))
     throw std::invalid_argument(
-        fmt::format("in line {}, more than {} lists and objects are inside one another", line_of(text, *place), deepest));
+        fmt::format("invalid JSON in line {}: more than {} nested lists and objects", line_of(text, *place), deepest));
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
     const std::size_t place = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
-    throw std::invalid_argument(fmt::format("this is not valid JSON from line {} on{}", line_of(text, place),
-                                            place >= text.size() ? ", where it breaks off" : ""));
+    const auto line = line_of(text, place);
+    throw std::invalid_argument(place < text.size() ? fmt::format("invalid JSON in line {}", line)
+                                                    : fmt::format("invalid JSON: the file ends early, in line {}", line));
   } catch (const Json::exception& error) {
-    throw std::invalid_argument(fmt::format("this JSON cannot be read: {}", plain(error)));  // a number beyond a double
+    throw std::invalid_argument(fmt::format("invalid JSON: {}", plain(error)));  // a number beyond a double
   }
 }
 

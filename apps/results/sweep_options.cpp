@@ -53,6 +53,15 @@ void check_sweeping(const SweepingOptions& options) {
     throw std::invalid_argument(fmt::format("--standard-error is {}; allowed is > 0", exact(*options.standard_error)));
 }
 
+void check_range(const Problem& problem, const std::string& parameter, double from, double to, bool reversible) {
+  Problem at_end = problem;
+  set_parameter(at_end, parameter, from, "--from");
+  set_parameter(at_end, parameter, to, "--to");
+  if (from < to || (reversible && from > to)) return;
+  throw std::invalid_argument(
+      fmt::format("--from {} and --to {}: the range is empty; --from must be below --to", exact(from), exact(to)));
+}
+
 Json sweeping_json(const SweepingOptions& options) {
   Json json = {{"step", *options.step},
                {"transient", options.transient},

@@ -30,6 +30,10 @@ void add_sweeping_options(CLI::App& app, SweepingOptions& options, Need step, co
 /// @throws std::invalid_argument for a step or a standard error that is not > 0.
 void check_sweeping(const SweepingOptions& options);
 
+/// Checks --from and --to against the parameter's range. `reversible`: they may be given in either order.
+/// @throws std::invalid_argument also for an empty range.
+void check_range(const Problem& problem, const std::string& parameter, double from, double to, bool reversible);
+
 /// The options as they are written in a result; the step must be set.
 Json sweeping_json(const SweepingOptions& options);
 
@@ -48,7 +52,7 @@ struct SweepOutcome {
   std::string message;  ///< why some values were not reached
 };
 
-/// Checkpoints: `keep` receives the rows finished so far, every `stints` seconds (checkpoint_timer.hpp); nullopt: no
+/// Checkpoints: `keep` receives the rows finished so far, every `checkpoints` seconds (checkpoint_timer.hpp); nullopt: no
 /// checkpoints.
 struct RowCheckpoints {
   std::optional<double> checkpoints;

@@ -207,12 +207,12 @@ std::optional<Verdict> BranchFollower::end_at_equilibrium(OrbitProblem& problem,
 void BranchFollower::end_at_chatter(const Branch& branch) {
   const BranchPoint& end = branch.points.back();
   const bool sticks = end.isolated_impacts < end.impacts;
-  const std::string what =
+  const std::string event =
       end.impacts == 0 && holds_something(system_, end.signature.mode)
-          ? "what is held all along the orbits before is released there, and comes back to its stop by complete chatter"
+          ? "a mass that is held along all orbits before is released, and returns to its stop by complete chatter"
           : fmt::format("the chatter {} complete, and the mass {}", sticks ? "is no longer" : "becomes",
                         sticks ? "does not stick beyond" : "sticks beyond");
-  ending_ = {BranchStop::chatter, end.value, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, what)};
+  ending_ = {BranchStop::chatter, end.value, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, event)};
 }
 
 Verdict BranchFollower::monitor_states(OrbitProblem& problem, const CurvePoint& before, CurvePoint& after, Branch& branch) {
@@ -596,7 +596,7 @@ std::optional<GrazingEnd> BranchFollower::finish(BranchProblem& problem, const C
     const double beyond = std::max(std::abs(ahead), 1e-6 * (1.0 + std::abs(end.value)));
     const bool lifts_off = ahead != 0.0 && releases_beyond(system_, branch, end.value + std::copysign(beyond, ahead));
     const std::string reason = released || meets_release || lifts_off
-                                   ? "what is held all along the orbits before is released there"
+                                   ? "a mass that is held along all orbits before is released there"
                                : refused_ ? "several contacts graze there so close together that they cannot be told apart"
                                           : curve.failure;
     const double last = curve.points.empty() ? end.value : problem.value(curve.points.back().u);  // empty: not begun again

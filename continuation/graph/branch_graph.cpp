@@ -192,7 +192,7 @@ class Graph {
     for (std::size_t k = 0; k < branches.size(); ++k)
       if (kept[k]) list.push_back(std::move(branches[k]));
     if (const auto dropped = static_cast<int>(branches.size() - list.size()); dropped > 0)
-      left_out_["stable nowhere, and no bound of what is stable"] = dropped;
+      left_out_["stable nowhere, and no bound of a stable branch"] = dropped;
     const auto is_there = [&](const CutOff& cut) {
       return cut.branch == 0 || std::any_of(list.begin(), list.end(), [&](const Branch& b) { return b.id == cut.branch; });
     };

@@ -84,7 +84,7 @@ LocateResult nearest_point(const HybridSystem& system, const std::vector<Branch>
                            PointType type, double near, double reach) {
   const Range within = range_near(system.parameters[parameter_index(system.parameters, parameter)], near, reach);
   LocateResult result;
-  std::vector<std::string> met, reasons;
+  std::vector<std::string> found, reasons;
   const auto add_once = [](std::vector<std::string>& list, std::string text) {
     if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(std::move(text));
   };
@@ -95,7 +95,7 @@ LocateResult nearest_point(const HybridSystem& system, const std::vector<Branch>
         const bool nearer = !result.point || std::abs(point.value - near) < std::abs(result.point->value - near);
         if (nearer) result.point = with_parameter_decreasing(point, branch);
       } else if (point.type != PointType::EP) {
-        add_once(met, fmt::format("{} at {:.9g}", point_type_name(point.type), point.value));
+        add_once(found, fmt::format("{} at {:.9g}", point_type_name(point.type), point.value));
       }
     }
     if (branch.stop != BranchStop::reached_bound) add_once(reasons, branch.message);
@@ -104,7 +104,7 @@ LocateResult nearest_point(const HybridSystem& system, const std::vector<Branch>
   result.message =
       fmt::format("no {} lies on {} for {} in [{:.9g}, {:.9g}]; ", point_type_name(type),
                   branches.empty() ? "a branch" : "the branches that were followed", parameter, within.low, within.high);
-  result.message += met.empty() ? "no special point was met" : fmt::format("met were {}", fmt::join(met, ", "));
+  result.message += found.empty() ? "no special point was found" : fmt::format("found instead: {}", fmt::join(found, ", "));
   for (const std::string& reason : reasons) result.message += "; " + reason;
   return result;
 }

@@ -23,7 +23,7 @@ namespace graze {
 
 class OrbitProblem;
 
-/// A state, or the difference of two, that is the same after each period of the forcing whatever its value: the position of a
+/// A state, or the difference of two, that returns to itself after each period of the forcing for any value: the position of a
 /// mass that friction holds on the ground or on a table, or the distance of two masses that friction holds together. Its closing
 /// equation is then always satisfied, and orbits with any value in a band form a continuum. The branch selects the orbits with
 /// the given value: the equation "it has this value at the first node" replaces the closing equation. Its multiplier +1 is

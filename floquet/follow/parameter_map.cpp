@@ -15,8 +15,9 @@ namespace {
 void check_axis(const ParameterAxis& axis) {
   if (axis.count < 1 || !std::isfinite(axis.from) || !std::isfinite(axis.to) || axis.from > axis.to ||
       (axis.from == axis.to && axis.count > 1))
-    throw std::invalid_argument(fmt::format("{} has {} values from {} to {}; a map needs at least one, from less to more",
-                                            axis.parameter, axis.count, axis.from, axis.to));
+    throw std::invalid_argument(
+        fmt::format("{} has {} values from {} to {}; a map needs at least one value, and the first below the last",
+                    axis.parameter, axis.count, axis.from, axis.to));
 }
 
 }  // namespace

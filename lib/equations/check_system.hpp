@@ -8,7 +8,7 @@
 
 namespace graze::equations {
 
-/// @throws EquationError with the place of what fails.
+/// @throws EquationError with the place of the failure.
 void check_system(const HybridSystem& system, const Names& names, const Pieces& pieces);
 
 }  // namespace graze::equations

@@ -35,7 +35,7 @@ struct FlowOptions {
   std::function<bool()> cancelled = {};
 };
 
-/// @throws std::invalid_argument naming the option, its value and what is allowed.
+/// @throws std::invalid_argument naming the option, its value and its range.
 void validate(const FlowOptions& options);
 
 enum class FlowEnd { failed, time, event };

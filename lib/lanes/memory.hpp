@@ -31,7 +31,7 @@ enum Field : std::size_t {
   trial,        ///< length of the next step, at most up to that point
   tried,        ///< 1: the step before was too long
   ceiling,      ///< if x is below it at both ends of a cell, x does not reach the barrier in between
-  off_barrier,  ///< 1: the flight began on the barrier, with a gap of exactly zero whatever rounding says
+  off_barrier,  ///< 1: the flight began on the barrier, with a gap of exactly zero in spite of rounding
   rest,         ///< time left of the forcing period, at the end of a flight and during a contact
   gap,  ///< a flight with beta x^3: distance from the barrier (negative), speed, tangent since the flight or the period began
   gap_speed,

@@ -91,7 +91,7 @@ TEST_CASE("damped Hertz: locate gives the period doubling from either side and w
     const LocateResult none = locate(system, orbit, PointType::NS, 0.92, 0.01, {});
     CHECK_FALSE(none.point);
     CHECK(none.message.find("no NS lies on the branch") != std::string::npos);
-    CHECK(none.message.find("met were PD at 0.919542643") != std::string::npos);
+    CHECK(none.message.find("found instead: PD at 0.919542643") != std::string::npos);
   }
 }
 

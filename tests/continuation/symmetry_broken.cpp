@@ -178,7 +178,7 @@ TEST_CASE("the branch of broken symmetry is followed and its mirror image is cou
   CHECK(std::abs(points_of(*broken[0], PointType::PD)[0].value - doubling) < 1e-12);
   CHECK(std::abs(points_of(*broken[0], PointType::GR)[0].value - grazing) < 1e-12);
   CHECK(asymmetry(points_of(*broken[0], PointType::PD)[0].orbit) > 1e-4);
-  // What is born on it has a mirror image too.
+  // Each branch born on it has a mirror image too.
   int descendants = 0;
   for (const Branch& branch : branches) {
     if (!branch.parent || branch.parent->branch != broken[0]->id) continue;

@@ -200,7 +200,7 @@ TEST_CASE("map: wrong inputs") {
   CHECK_THAT(refused({{"eta", 0.7, 0.8, 3}, {"eta", 0.7, 0.8, 3}}, {from_rest()}, 0, 1), Contains("both parameters"));
   CHECK_THAT(refused({{"eta", 0.7, 0.8, 3}, {"k_r", 0.7, 0.8, 3}}, {from_rest()}, 0, 1), Contains("k_r"));
   CHECK_THAT(refused({{"eta", 0.0, 0.8, 3}, {"r", 1.0, 2.0, 2}}, {from_rest()}, 0, 1), Contains("eta") && Contains("0"));
-  CHECK_THAT(refused({{"eta", 0.8, 0.7, 3}, {"r", 1.0, 2.0, 2}}, {from_rest()}, 0, 1), Contains("from less to more"));
+  CHECK_THAT(refused({{"eta", 0.8, 0.7, 3}, {"r", 1.0, 2.0, 2}}, {from_rest()}, 0, 1), Contains("the first below the last"));
   CHECK_THAT(refused(good, {}, 0, 1), Contains("no start"));
   CHECK_THAT(refused(good, {from_rest()}, 1, 2), Contains("rows 1 to 2 were asked for; the map has 2"));
   MapOptions options;

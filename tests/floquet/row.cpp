@@ -204,7 +204,7 @@ TEST_CASE("row: stretches begin with guesses, which are kept where they are on t
     CHECK(anew->begin.state[0] == 5.0);
     rows.row.finish(*anew, found(Ends::on_orbit, 6.0));
     CHECK(rows.committed.size() == 3);
-    // After a wrong guess, what follows an unconfirmed one is unlikely to be kept.
+    // After a wrong guess, the points behind an unconfirmed one are unlikely to be kept.
     rows.row.finish(*farther, found(Ends::on_orbit, 3.0));
     const auto fourth = rows.begin();
     CHECK(fourth->begin.number == 3);
