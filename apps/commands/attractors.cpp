@@ -489,13 +489,13 @@ Json attractors_result_schema() {
        {"attractor", "its id, by start, or by row and column of a grid; null: beyond a barrier, 0: lost, -1: not run",
         list_schema({{"anyOf", {code, list_schema(code)}}})}});
   basins["additionalProperties"] = list_schema(number);  // the axes, by the names of the states
-  return result_schema("attractors/1", "coexisting attractors, and which start leads where",
-                       {object_schema({{"starts", "how many there are", count},
-                                       {"admissible", "of them, those that were run and lie beyond no barrier", count},
-                                       {"lost", "of them, those whose motion could not be carried on", count},
-                                       {"periods", "that were computed for them", count},
+  return result_schema("attractors/1", "coexisting attractors and their basins",
+                       {object_schema({{"starts", "number of starts", count},
+                                       {"admissible", "starts that were run and lie in front of every barrier", count},
+                                       {"lost", "starts whose motion could not be continued", count},
+                                       {"periods", "forcing periods computed for them", count},
                                        {"attractors", "most starts first", list_schema(found)},
-                                       {"basins", "which start leads where", basins, false}})});
+                                       {"basins", "attractor of each start", basins, false}})});
 }
 
 std::function<int(const Console&)> set_up_attractors(CLI::App& app) {
@@ -504,22 +504,23 @@ std::function<int(const Console&)> set_up_attractors(CLI::App& app) {
   begin_group(app, "Starts");
   add_state(app, "--start", options->start.start, "the states that are not varied (default: the file's, else 0)");
   add_text(app, "--plane", options->plane, "NAME,NAME", "the two states that are varied (default: the first two)");
-  add_text(app, "--x", options->x, "A:B:N",
-           "N values of the first of them, x at forcing phase 0 from A to B (default: up to the barrier and as far as attractors "
-           "reach, 64)");
-  add_text(app, "--v", options->v, "A:B:N", "the same of the second, x' (default: as wide as the motion, 64)");
-  add_count(app, "--random", options->random, 1, "so many random starts in the ranges --x A:B and --v A:B instead of a grid",
+  add_text(
+      app, "--x", options->x, "A:B:N",
+      "N values of the first varied state, x at forcing phase 0 from A to B (default: up to the barrier and as far as attractors "
+      "reach, 64)");
+  add_text(app, "--v", options->v, "A:B:N", "N values of the second, x' (default: as wide as the motion, 64)");
+  add_count(app, "--random", options->random, 1, "number of random starts in the ranges --x A:B and --v A:B, instead of a grid",
             most_starts);
-  add_count(app, "--seed", options->seed, 0, "of the random starts (default 1)");
+  add_count(app, "--seed", options->seed, 0, "seed of the random starts (default 1)");
   begin_group(app, "Motions");
   add_count(app, "--transient", options->transient, 1,
             "forcing periods in which an attractor must be recognised; then its exponents are averaged (default 1000)");
   add_count(app, "--periods", options->periods, 1,
-            "of such an average: who settles on no orbit in them is chaotic or undecided (default 20000)");
+            "forcing periods of the average; a motion without an orbit by then is chaotic or undecided (default 20000)");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)", longest_period);
   add_flow_option(app, options->flow);
   add_quantity_option(app, options->quantities);
-  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "continue an interrupted or killed run with --out DIR");
   add_output_options(app, options->output, "attractors/1");
   return [options](const Console& console) { return run(*options, console); };
 }

@@ -89,7 +89,7 @@ int run(const ContinueArguments& given, const Console& console) {
   ContinueArguments options = given;
   const OutputFolder folder(options.output, "continue", options.orbit.start.file);
   if (options.max_step && !(*options.max_step > 0.0))
-    throw std::invalid_argument(fmt::format("--max-step {}: must be > 0, for example 0.01", *options.max_step));
+    throw std::invalid_argument(fmt::format("--max-step is {}; allowed is > 0", exact(*options.max_step)));
   Problem problem = open_problem(options.orbit.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
   check_parameter_name(problem, options.parameter);
@@ -155,7 +155,7 @@ int run(const ContinueArguments& given, const Console& console) {
 
 Json continue_result_schema() {
   return result_schema("branch/1", "a branch of periodic orbits, and the branches born on it; or the skeleton of a diagram",
-                       {object_schema({{"parameter", "that changes along the branches", JsonForm<std::string>::schema()}}),
+                       {object_schema({{"parameter", "name of the varied parameter", JsonForm<std::string>::schema()}}),
                         schema_of(origin_columns()), skeleton_schema()});
 }
 
@@ -164,8 +164,8 @@ std::function<int(const Console&)> set_up_continue(CLI::App& app) {
   add_orbit_options(app, options->orbit);
   begin_group(app, "Branch");
   add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
-  add_number(app, "--from", options->from, "where it starts (default: the problem's own value)");
-  add_number(app, "--to", options->to, "where it is to end", Need::required);
+  add_number(app, "--from", options->from, "first value of the parameter (default: the problem's own)");
+  add_number(app, "--to", options->to, "last value of the parameter", Need::required);
   add_count(app, "--switch", options->switches, 0,
             "generations of branches born at period doublings and branch points that are followed (default 1)");
   add_count(app, "--multiples", options->multiples, 1,
@@ -183,17 +183,17 @@ std::function<int(const Console&)> set_up_continue(CLI::App& app) {
 }  // namespace
 
 Command continue_command() {
-  return {"continue",
-          "a branch of orbits in a parameter, the branches born on it, special points located",
-          "The orbit is found as by `graze orbit`, at --from, and followed to --to, around folds. Folds (LP), period doublings "
-          "(PD), branch\n"
-          "points (BP) and Neimark-Sacker points (NS) are located; at a PD the doubled branch is followed too. A branch says why "
-          "it stopped.\n"
-          "With --switch 2 and more, the intervals of a cascade of doublings are compared with Feigenbaum's constant.",
-          {"graze continue data/problems/hertz-damped.toml --param eta --from 0.95 --to 0.90 --plot branch.png",
-           "graze continue data/problems/hertz-damped.toml --from 0.95 --to 0.70 --switch 2 --json branch.json"},
-          set_up_continue,
-          {{"branch", continue_result_schema}}};
+  return {
+      "continue",
+      "a branch of orbits in a parameter, the branches born on it, special points located",
+      "The orbit is found as by `graze orbit`, at --from, and followed to --to, around folds. Folds (LP), period doublings\n"
+      "(PD), branch points (BP), Neimark-Sacker points (NS) and grazings (GR) are located. The branches born at a PD or a BP\n"
+      "are followed too. Each branch gives the reason of its end. With --switch 2 and more, the intervals of a cascade of\n"
+      "doublings are compared with Feigenbaum's constant.",
+      {"graze continue data/problems/hertz-damped.toml --param eta --from 0.95 --to 0.90 --plot branch.png",
+       "graze continue data/problems/hertz-damped.toml --from 0.95 --to 0.70 --switch 2 --json branch.json"},
+      set_up_continue,
+      {{"branch", continue_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -285,16 +285,13 @@ SweepRange range_of(const DiagramArguments& options) {
 
 /// Reports every mistake before anything is computed.
 void check_options(DiagramArguments& options, const Problem& problem) {
-  if (options.max_step && !(*options.max_step > 0.0)) throw std::invalid_argument("--max-step must be > 0");
+  if (options.max_step && !(*options.max_step > 0.0))
+    throw std::invalid_argument(fmt::format("--max-step is {}; allowed is > 0", exact(*options.max_step)));
   check_sweeping(options.sweeping);
-  Problem at_end = problem;
-  set_parameter(at_end, options.parameter, *options.from, "--from");
-  set_parameter(at_end, options.parameter, *options.to, "--to");
-  if (*options.from == *options.to)
-    throw std::invalid_argument(fmt::format("--from and --to are both {}; a range has two different ends", exact(*options.to)));
+  check_range(problem, options.parameter, *options.from, *options.to, true);
   if (options.skeleton && (options.sweeping.step || options.sweeping.standard_error))
     throw std::invalid_argument(
-        fmt::format("{} is of the sweeps, which --skeleton leaves out", options.sweeping.step ? "--step" : "--standard-error"));
+        fmt::format("{} belongs to the sweeps, and --skeleton has none", options.sweeping.step ? "--step" : "--standard-error"));
   if (options.skeleton) return;
   const SweepRange range = range_of(options);
   check_sweep_start(problem, options.start, range);
@@ -357,7 +354,7 @@ Json diagram_result_schema() {
                                   {"rows", "numbers, from 0, of those that lie on no branch", list_schema(count)}});
   return result_schema(
       "diagram/1", "sweeps and branches over a range of a parameter",
-      {object_schema({{"parameter", "that changes", text}}), skeleton_schema(),
+      {object_schema({{"parameter", "name of the varied parameter", text}}), skeleton_schema(),
        object_schema({{"parts", "how each of them ended",
                        object_schema({{"skeleton", "the branches", text}, {"sweeps", "the rows", text}})},
                       {"rows", "of the sweeps", rows_schema()},
@@ -370,23 +367,23 @@ std::function<int(const Console&)> set_up_diagram(CLI::App& app) {
   add_start_options(app, options->start);
   begin_group(app, "Diagram");
   add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
-  add_number(app, "--from", options->from, "one end of its range", Need::required);
-  add_number(app, "--to", options->to, "the other end", Need::required);
+  add_number(app, "--from", options->from, "one end of the range", Need::required);
+  add_number(app, "--to", options->to, "other end of the range", Need::required);
   add_flag(app, "--skeleton", options->skeleton, "the skeleton alone, without sweeps (graze.branch/1)");
-  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "continue an interrupted or killed run with --out DIR");
   add_quantity_option(app, options->quantities);
   begin_group(app, "Skeleton");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is followed (default 16)");
   add_count(app, "--multiples", options->multiples, 1,
             "at grazings of a hard contact, follow families of up to N times the period (default: to --max-period; 1: none)");
   add_flag(app, "--all", options->all,
-           "keep branches that are stable nowhere, too: search for unstable orbits, follow whatever begins anywhere");
-  add_count(app, "--max-branches", options->max_branches, 1, "most branches; what is cut off is listed (default 500)");
-  add_count(app, "--seed", options->seed, 0, "of the global search (default 1)");
+           "keep branches that are stable nowhere, too: search for unstable orbits, follow all branches");
+  add_count(app, "--max-branches", options->max_branches, 1, "most branches; those left out are listed (default 500)");
+  add_count(app, "--seed", options->seed, 0, "seed of the global search (default 1)");
   add_number(app, "--max-step", options->max_step, "largest step of arclength");
   begin_group(app, "Sweeps");
   add_sweeping_options(app, options->sweeping, Need::optional,
-                       fmt::format("from one value to the next (default: a {}th of the range)", usual_steps));
+                       fmt::format("step from one value to the next (default: a {}th of the range)", usual_steps));
   add_output_options(app, options->output, "diagram/1", "branch/1");
   return [options](const Console& console) { return run(*options, console); };
 }
@@ -397,26 +394,17 @@ Command diagram_command() {
   return {
       "diagram",
       "the whole picture of a range: sweeps up and down on the skeleton of branches, exponents below",
-      "First the skeleton. Seeds are the orbits without impact, what the motion settles on (from rest, sweeping up, sweeping "
-      "down), and\n"
-      "stable orbits of every period up to --max-period from many starts at 121 values. From them branches are followed both "
-      "ways,\n"
-      "through folds, period doublings and grazings. Kept are those that are stable somewhere, and those that bound them: on "
-      "which they\n"
-      "are born or end. A series towards complete chatter is followed to its accumulation, not impact by impact. --all keeps and "
-      "follows\n"
-      "all, and searches for unstable orbits of period 1 to 4 too. A family is kept once. What was not followed is listed, and "
-      "cascades of\n"
-      "period doublings with the ratios of their intervals.\n"
-      "Then the attractors are followed up and down, with exponents: --start and --settle say from where. Chaotic windows are "
-      "listed, and\n"
-      "stable orbits of the sweeps that lie on no branch, where there are any.\n"
-      "Ctrl-C keeps what is there. --resume goes on from the seeds, the skeleton and the sweeps that are complete, and comes to "
-      "the "
-      "same\n"
-      "result as without interruption, to the last bit. The table (--csv) is that of the branches; the samples of the sweeps are "
-      "\"rows\" in\n"
-      "the JSON, as in that of graze sweep.",
+      "First the skeleton. Seeds are the orbits without impact, the attractors reached (from rest, sweeping up, sweeping\n"
+      "down), and stable orbits of every period up to --max-period from many starts at 121 values. From them branches are\n"
+      "followed both ways, through folds, period doublings and grazings. Kept are those that are stable somewhere, and those\n"
+      "that bound them: on which they are born or end. A series towards complete chatter is followed to its accumulation, not\n"
+      "impact by impact. --all keeps and follows all, and searches for unstable orbits of period 1 to 4 too. A family is kept\n"
+      "once. Branches that were left out are listed, and cascades of period doublings with the ratios of their intervals.\n"
+      "Then the attractors are followed up and down, with exponents: --start and --settle say from where. Chaotic windows are\n"
+      "listed, and stable orbits of the sweeps that lie on no branch, where there are any.\n"
+      "Ctrl-C keeps the partial result. --resume goes on from the seeds, the skeleton and the sweeps that are complete, and\n"
+      "comes to the same result as without interruption, to the last bit. The table (--csv) is that of the branches; the\n"
+      "samples of the sweeps are \"rows\" in the JSON, as in that of graze sweep.",
       {"graze diagram data/problems/hertz-damped.toml --from 0.65 --to 0.95 --plot diagram.png",
        "graze diagram data/problems/newton-elastic.toml --skeleton --param eta --from 0.65 --to 0.95 --plot skeleton.png"},
       set_up_diagram,

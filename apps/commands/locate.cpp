@@ -251,12 +251,11 @@ std::function<int(const Console&)> set_up_locate(CLI::App& app) {
   auto options = std::make_shared<LocateArguments>();
   add_orbit_options(app, options->orbit);
   begin_group(app, "Point");
-  add_choice(app, "--type", options->type, locatable(), "what is located", Need::required);
+  add_choice(app, "--type", options->type, locatable(), "type of the point", Need::required);
   add_text(app, "--param", options->parameter, "NAME", "continuation parameter (default: the forcing frequency)");
-  add_number(app, "--near", options->near, "value of the parameter near which the point lies", Need::required);
-  add_number(app, "--reach", options->reach, "how far from --near it may lie (default: 5 % of it, or 0.005 of 0)");
-  add_number(app, "--from", options->from,
-             "the one value at which orbits are looked for (default: --near, then both sides of it)");
+  add_number(app, "--near", options->near, "value of the parameter near the point", Need::required);
+  add_number(app, "--reach", options->reach, "largest distance from --near (default: 5 % of it, or 0.005 of 0)");
+  add_number(app, "--from", options->from, "value at which orbits are sought (default: --near, then both sides of it)");
   add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "point/1");
   return [options](const Console& console) { return run(*options, console); };
@@ -265,18 +264,17 @@ std::function<int(const Console&)> set_up_locate(CLI::App& app) {
 }  // namespace
 
 Command locate_command() {
-  return {"locate",
-          "one special point to full precision",
-          "Orbits are found at --near and on both sides of it, as by `graze orbit` and by search, and followed both ways within "
-          "--reach; the\n"
-          "point of the given type that lies nearest to --near is located by Newton's method on an extended system. The first "
-          "that agrees\n"
-          "with the digits of --near ends the search; the result says so where none does. Exit 1 and what was met instead, if "
-          "there is none.",
-          {"graze locate data/problems/hertz-damped.toml --type PD --param eta --near 0.92",
-           "graze locate data/problems/hertz-damped.toml --type PD --near 0.7433 --period 2"},
-          set_up_locate,
-          {{"point", locate_result_schema}}};
+  return {
+      "locate",
+      "one special point to full precision",
+      "Orbits are found at --near and on both sides of it, as by `graze orbit` and by search, and followed both ways within\n"
+      "--reach; the point of the given type that lies nearest to --near is located by Newton's method on an extended system.\n"
+      "The first that agrees with the digits of --near ends the search; the result says so where none does. If no such point\n"
+      "is found: exit 1, and the points found instead.",
+      {"graze locate data/problems/hertz-damped.toml --type PD --param eta --near 0.92",
+       "graze locate data/problems/hertz-damped.toml --type PD --near 0.7433 --period 2"},
+      set_up_locate,
+      {{"point", locate_result_schema}}};
 }
 
 }  // namespace graze::apps

@@ -69,7 +69,7 @@ const Columns<Attractor>& result_columns() {
                      return std::string(is_orbit(attractor) ? "the attractor is a stable orbit"
                                                             : lyapunov_stop_text(attractor.time_average.stop));
                    }},
-                  {"attractor", "that is reached", [](const A& attractor) { return attractor; }},
+                  {"attractor", "attractor of the motion", [](const A& attractor) { return attractor; }},
                   {"time_average", "along the motion, on an orbit too", &A::time_average}}});
   return list;
 }

@@ -306,31 +306,31 @@ std::function<int(const Console&)> set_up_map(CLI::App& app) {
   add_texts(app, "--start", options->starts, "x,v",
             "initial state at forcing phase 0; repeatable, each is a layer of the map (default: the file's, else at rest)");
   add_choice(app, "--follow", options->follow, {"none", "up", "down", "both"},
-             "along each row, a point starts from where its neighbour came to (default none: each from the start)");
+             "along each row, a point starts from the last state of its neighbour (default none: each from the start)");
   add_count(app, "--chunk", options->chunk_rows, 1,
-            "rows in a chunk: what is kept when it is finished, and lost if the program is killed before (default 1, up to 16 of "
-            "short rows)");
+            "rows in a chunk; finished chunks are kept if the program is killed (default 1, up to 16 of short rows)");
   add_quantity_option(app, options->quantities);
   begin_group(app, "Motions");
   add_count(
       app, "--settle", options->start.settle, 0,
       "most forcing periods of transient from a start (default: the file's, else 1000); a stable orbit that is proved ends it");
-  add_count(app, "--transient", options->transient, 0, "with --follow: the same from a neighbour's state (default 300)");
+  add_count(app, "--transient", options->transient, 0,
+            "with --follow: most forcing periods of transient from a neighbour's state (default 300)");
   add_count(app, "--max-period", options->map.max_period, 1, "longest period that is recognised (default 64)", longest_period);
   add_count(app, "--periods", options->map.periods, 1, "most forcing periods of an average (default 5000)");
   add_number(app, "--standard-error", options->standard_error,
-             "bound of lambda_1's standard error where it is averaged (default 3e-3: the sign is what matters)");
+             "bound of lambda_1's standard error where it is averaged (default 3e-3, enough for its sign)");
   add_flow_option(app, options->flow);
   begin_group(app, "Results");
   add_text(app, "--out", options->output.out, "DIR", "folder that gets map.h5 and pictures, and meanwhile the finished chunks");
   add_flag(app, "--overwrite", options->overwrite, "replace another map in --out DIR; without, it is kept and the run refused");
-  add_text(app, "--resume", options->resume, "DIR", "go on with what an interrupted or killed run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "continue an interrupted or killed run with --out DIR");
   add_text(app, "--h5", options->h5, "FILE", "the map as HDF5");
   add_text(app, "--json", options->output.json, "FILE|-", "the map as JSON, up to a million points");
   add_text(app, "--csv", options->output.csv, "FILE|-", "the map as a table");
   add_text(app, "--plot", options->output.plot, "FILE", "picture of the map (.png, .svg, .pdf)");
   add_choice(app, "--plot-kind", options->output.plot_kind, picture_names("graze.map/1"),
-             "what the picture shows (default attractors, with --y quantity)");
+             "kind of picture (default attractors, with --y quantity)");
   add_texts(app, "--layer", options->layers, "K",
             "a layer in the pictures, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
   return [options](const Console& console) { return run(*options, console); };
@@ -342,10 +342,8 @@ Command map_command() {
   return {
       "map",
       "a two-parameter map of attractors and first exponents, on all threads or under mpirun",
-      "At each point: what the motion settles on (stable orbits by Newton's method, exponents of their multipliers; the rest by "
-      "time\n"
-      "average), z = p/n and lambda_1. With --out, finished rows are kept in small files: whatever ends the run, --resume goes "
-      "on.\n"
+      "At each point: the type of attractor (stable orbits by Newton's method, exponents of their multipliers; the rest by time\n"
+      "average), z = p/n and lambda_1. With --out, finished rows are kept in small files, and --resume continues an ended run.\n"
       "Under mpirun -n N the rows are handed out to N processes (of --threads each, 1 by default); the map is the same.",
       {"graze map data/problems/hertz-damped.toml --param eta:0.65:0.95:200 --param r:1:3:150 --out run",
        "graze map data/problems/newton-elastic.toml --param eta:0.65:0.95:90 --param r:1:3:60 --follow both --plot map.png",

@@ -121,14 +121,14 @@ Json models_result_schema() {
       {name, formula, {"hard", "contacts take no time", JsonForm<bool>::schema()}, {"parameters", "of the law", parameters}});
   const Json excitation = object_schema({name, formula, {"quantities", "physical ones", quantities}});
   const Json model = object_schema({name, {"title", "first line of the file", text}});
-  return plain_result_schema("models/1", "what problem files may name",
+  return plain_result_schema("models/1", "names for problem files",
                              {object_schema({{"oscillators", "built in", list_schema(oscillator)},
                                              {"parameters", "of every oscillator", parameters},
                                              {"contact_laws", "built in", list_schema(law)},
-                                             {"smallest_eta", "for which motions are computed", number},
+                                             {"smallest_eta", "smallest forcing frequency that is computed", number},
                                              {"excitations", "of physical problems", list_schema(excitation)},
                                              {"contact_quantities", "of physical problems", quantities},
-                                             {"models", "that come as files", list_schema(model), false}})});
+                                             {"models", "models that come as files", list_schema(model), false}})});
 }
 
 std::function<int(const Console&)> set_up_models(CLI::App& app) {
@@ -153,7 +153,7 @@ std::function<int(const Console&)> set_up_models(CLI::App& app) {
 Command models_command() {
   return {"models",
           "built-in oscillators and contact laws, their parameters, ranges, defaults",
-          "Everything that a problem file may name, and the models that come as files with their own equations.",
+          "The names that a problem file may use, and the models that come as files with their own equations.",
           {"graze models", "graze models duffing-two-stops > mine.toml", "graze models --json -"},
           set_up_models,
           {{"models", models_result_schema}}};

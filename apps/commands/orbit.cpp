@@ -53,7 +53,7 @@ int run(const OrbitArguments& options, const Console& console) {
   if (!found.orbits.empty() && !found.remark.empty())
     result.text += fmt::format("\n  found by a search, {}: {}\n",
                                found.orbits.front().stable() ? "the orbit above was not reached from the start"
-                                                             : "the orbit above is not what the motion settles on",
+                                                             : "the motion does not settle on the orbit above",
                                found.remark);
   if (!found.orbits.empty()) add_notes(result, order_notes(problem, found.orbits.front().events));
   if (found.status != Status::done) console.err << "graze orbit: " << found.message << "\n";
@@ -63,7 +63,7 @@ int run(const OrbitArguments& options, const Console& console) {
 Json orbit_result_schema() {
   const Json orbit = with_quantities(schema_of(orbit_columns()));
   return result_schema("orbit/1", "a periodic orbit",
-                       {object_schema({{"orbit", "null: there is none of the period that was asked for", or_null(orbit)},
+                       {object_schema({{"orbit", "null: there is none of the requested period", or_null(orbit)},
                                        {"orbits", "all that a search found, the orbit first", list_schema(orbit), false}}),
                         schema_of(origin_columns())});
 }
@@ -81,11 +81,9 @@ std::function<int(const Console&)> set_up_orbit(CLI::App& app) {
 Command orbit_command() {
   return {"orbit",
           "one periodic orbit, its multipliers, its contacts, its checks",
-          "From --start the motion settles for --settle forcing periods; Newton's method makes an orbit of it. If what it "
-          "settles on\n"
-          "has another period than --period, or with --search, orbits are searched for all over state space, unstable ones "
-          "included.\n"
-          "Exit 1 and what was found instead, if there is none.",
+          "From --start the motion settles for --settle forcing periods, and Newton's method finds its orbit. If that orbit has\n"
+          "another period than --period, or with --search, orbits are searched for in the whole state space, unstable ones\n"
+          "included. If there is none of this period: exit 1, and the orbits found instead.",
           {"graze orbit data/problems/hertz-damped.toml --set eta=0.925",
            "graze orbit data/problems/hertz-damped.toml --set eta=0.85 --period 2 --search --json -"},
           set_up_orbit,

@@ -66,7 +66,7 @@ std::function<int(const Console&)> set_up_plot(CLI::App& app) {
   begin_group(app, "Picture");
   add_text(app, "RESULT", options->result, "FILE", "a result of graze (.json), a table (.csv) or a map (.h5)", Need::required);
   add_text(app, "-o,--output", options->output, "FILE", "the picture (.png, .svg, .pdf)", Need::required);
-  add_text(app, "--plot-kind", options->view.kind, "KIND", "what it shows (default: the first of its schema)");
+  add_text(app, "--plot-kind", options->view.kind, "KIND", "kind of picture (default: the first of its schema)");
   add_texts(app, "--layer", options->view.layers, "K",
             "of a map: a layer, counted from 0; repeatable, up to 4 stand side by side (default: the first 4)");
   add_text(app, "--plane", options->view.plane, "A,B",

@@ -168,7 +168,7 @@ Json reproduce_result_schema() {
   const Json text = JsonForm<std::string>::schema(), number = JsonForm<double>::schema();
   const Json system = object_schema(
       {{"contact", "its law", text}, {"parameters", "of the system", JsonForm<std::map<std::string, double>>::schema(), false}});
-  const Json diagram = object_schema({{"figure", "in which it is published", text},
+  const Json diagram = object_schema({{"figure", "published figure", text},
                                       {"system", "id of the system", text},
                                       {"eta", "its range", JsonForm<std::array<double, 2>>::schema()},
                                       {"step", "from one value to the next", number},
@@ -176,9 +176,9 @@ Json reproduce_result_schema() {
   return plain_result_schema("reproduce/1", "published figures against computed ones",
                              {object_schema({{"file", "of the published figures", text},
                                              {"systems", "by id", {{"type", "object"}, {"additionalProperties", system}}},
-                                             {"options", "what was asked for", {{"type", "object"}}},
+                                             {"options", "options of the command", {{"type", "object"}}},
                                              {"rows", "one for each published item", JsonForm<std::vector<Comparison>>::schema()},
-                                             {"claims", "that are made in words", JsonForm<std::vector<Claim>>::schema()},
+                                             {"claims", "claims made in words", JsonForm<std::vector<Claim>>::schema()},
                                              {"diagrams", "bifurcation diagrams", list_schema(diagram)}})});
 }
 
@@ -187,8 +187,8 @@ std::function<int(const Console&)> set_up_reproduce(CLI::App& app) {
   begin_group(app, "Reproduction");
   add_text(app, "FILE", options->file, "FILE",
            "published figures (TOML; default: the published.toml that came with the program)");
-  add_flag(app, "--no-claims", options->no_claims, "leave out what the source says in words");
-  add_text(app, "--resume", options->resume, "DIR", "go on from the result that an interrupted run left in DIR (its --out)");
+  add_flag(app, "--no-claims", options->no_claims, "leave out the claims that the source makes in words");
+  add_text(app, "--resume", options->resume, "DIR", "continue an interrupted run with --out DIR");
   add_output_options(app, options->output, "reproduce/1");
   return [options](const Console& console) { return run(*options, console); };
 }
@@ -201,8 +201,8 @@ Command reproduce_command() {
       "published figures against computed ones, row by row, and the pictures",
       "Every special point, pair of exponents and window of a bifurcation diagram in the file is computed anew, with its\n"
       "uncertainty. A number agrees where it lies within half a unit of the last printed decimal and three standard errors of\n"
-      "ours; a remark says what is known where it does not. --out gets the figures as well, and index.html, which shows them\n"
-      "beside the comparison. The exit code is 0 whatever the verdicts are.",
+      "ours; a remark gives the cause of a difference, if known. --out gets the figures as well, and index.html, which shows\n"
+      "them beside the comparison. The exit code is 0 for any verdicts.",
       {"graze reproduce --out reproduction", "graze reproduce data/published.toml --json -"},
       set_up_reproduce,
       {{"reproduce", reproduce_result_schema}}};

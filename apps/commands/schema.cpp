@@ -29,7 +29,7 @@ int run(const std::string& name, const Console& console) {
 
 std::function<int(const Console&)> set_up_schema(CLI::App& app) {
   auto name = std::make_shared<std::string>();
-  add_text(app, "NAME", *name, "NAME", "of the result: orbit of \"graze.orbit/1\"; without, the names are listed");
+  add_text(app, "NAME", *name, "NAME", "name of the result: orbit of \"graze.orbit/1\"; without, the names are listed");
   return [name](const Console& console) { return run(*name, console); };
 }
 
@@ -37,7 +37,7 @@ std::function<int(const Console&)> set_up_schema(CLI::App& app) {
 
 Command schema_command() {
   return {"schema",
-          "what a result holds: a JSON Schema (draft 2020-12) with a sentence on each field",
+          "the format of a result: a JSON Schema (draft 2020-12) that describes each field",
           "A result in JSON names its schema: \"graze.orbit/1\" is described by `graze schema orbit`. The schemas also come as "
           "files,\n"
           "data/schemas/NAME.json, for validators and editors.",

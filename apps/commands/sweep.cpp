@@ -54,13 +54,8 @@ int run(const SweepArguments& given, const Console& console) {
   const OutputFolder folder(options.output, "sweep", options.start.file, options.resume);
   const Problem problem = open_problem(options.start, console, {options.parameter});
   options.parameter = parameter_name(problem, options.parameter);
-  if (!(*options.from < *options.to))
-    throw std::invalid_argument(fmt::format("--from {} and --to {}: a sweep needs from < to; --direction down goes the other way",
-                                            exact(*options.from), exact(*options.to)));
+  check_range(problem, options.parameter, *options.from, *options.to, false);
   check_sweeping(options.sweeping);
-  Problem at_end = problem;  // reports a wrong value now
-  set_parameter(at_end, options.parameter, *options.from, "--from");
-  set_parameter(at_end, options.parameter, *options.to, "--to");
   const SweepRange range{options.parameter, *options.from, *options.to, directions(options.direction)};
   check_sweep_start(problem, options.start, range);
   const Quantities quantities = read_quantities(problem, options.quantities);
@@ -111,7 +106,7 @@ int run(const SweepArguments& given, const Console& console) {
 
 Json sweep_result_schema() {
   return result_schema("sweep/1", "the attractor at each value of a parameter",
-                       {object_schema({{"parameter", "that changes from row to row", JsonForm<std::string>::schema()},
+                       {object_schema({{"parameter", "name of the varied parameter", JsonForm<std::string>::schema()},
                                        {"rows", "in the order in which they are reached", rows_schema()}})});
 }
 
@@ -120,13 +115,13 @@ std::function<int(const Console&)> set_up_sweep(CLI::App& app) {
   add_start_options(app, options->start);
   begin_group(app, "Sweep");
   add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency)");
-  add_number(app, "--from", options->from, "lower end of its range", Need::required);
-  add_number(app, "--to", options->to, "upper end", Need::required);
-  add_choice(app, "--direction", options->direction, {"up", "down", "both"}, "which way it goes (default up)");
-  add_sweeping_options(app, options->sweeping, Need::required, "from one value to the next");
+  add_number(app, "--from", options->from, "first value of the sweep; with --direction down, the last", Need::required);
+  add_number(app, "--to", options->to, "last value of the sweep; with --direction down, the first", Need::required);
+  add_choice(app, "--direction", options->direction, {"up", "down", "both"}, "direction of the sweep (default up)");
+  add_sweeping_options(app, options->sweeping, Need::required, "step from one value to the next");
   add_count(app, "--max-period", options->sweeping.max_period, 1, "longest period that is recognised (default 256)",
             longest_period);
-  add_text(app, "--resume", options->resume, "DIR", "go on from what an interrupted or killed run left in DIR (its --out)");
+  add_text(app, "--resume", options->resume, "DIR", "continue an interrupted or killed run with --out DIR");
   add_quantity_option(app, options->quantities);
   add_output_options(app, options->output, "sweep/1");
   return [options](const Console& console) { return run(*options, console); };

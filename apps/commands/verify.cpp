@@ -272,13 +272,13 @@ int run(const VerifyArguments& given, const Console& console) {
 }
 
 Json verify_result_schema() {
-  return result_schema("verify/1", "orbits with what is known of them in several ways, and how far these disagree",
-                       {schema_of(origin_columns()),
-                        object_schema({{"agrees", "no check of any orbit has failed", JsonForm<bool>::schema()},
-                                       {"parameter", "whose values the orbits are at", JsonForm<std::string>::schema()},
-                                       {"orbits", "by value", JsonForm<std::vector<Verification>>::schema()},
-                                       {"largest", "the worst of each check, in units of its bound",
-                                        list_schema(schema_of(largest_columns({})))}})});
+  return result_schema(
+      "verify/1", "orbits, each computed in several ways, and the disagreements",
+      {schema_of(origin_columns()), object_schema({{"agrees", "no check of any orbit has failed", JsonForm<bool>::schema()},
+                                                   {"parameter", "name of the varied parameter", JsonForm<std::string>::schema()},
+                                                   {"orbits", "by value", JsonForm<std::vector<Verification>>::schema()},
+                                                   {"largest", "the worst of each check, in units of its bound",
+                                                    list_schema(schema_of(largest_columns({})))}})});
 }
 
 std::function<int(const Console&)> set_up_verify(CLI::App& app) {
@@ -288,7 +288,7 @@ std::function<int(const Console&)> set_up_verify(CLI::App& app) {
   add_text(app, "--param", options->parameter, "NAME", "parameter (default: the forcing frequency; needed for a range only)");
   add_number(app, "--from", options->from, "first value (default: the problem's own)");
   add_number(app, "--to", options->to, "last value, above or below it (default: one value only)");
-  add_number(app, "--step", options->step, "from one value to the next");
+  add_number(app, "--step", options->step, "step from one value to the next");
   begin_group(app, "Checks");
   add_count(app, "--average", options->average, 0, "forcing periods of the exponents' time average (default 2000; 0: none)");
   add_flag(app, "--hard-limit", options->hard_limit, "also compare Hertz contact of growing k_H with the rigid stop it becomes");

@@ -66,7 +66,7 @@ double quantity_of(const MapPoint& point, Eigen::Index place) {
 
 std::vector<MapField> map_fields(const std::vector<Quantity>& quantities) {
   std::vector<MapField> list = {
-      field("type", "attractor", "what the motion settles on", &MapPoint::type),
+      field("type", "attractor", "type of attractor", &MapPoint::type),
       field("period", "period", "n of z = p/n, in forcing periods; 0: not periodic", &MapPoint::period),
       field("impacts", "impacts", "p of z = p/n; 0 also where not periodic", &MapPoint::impacts),
       field("lambda_1", "lambda_1", "first Lyapunov exponent per unit of dimensionless time", &MapPoint::lambda_1),

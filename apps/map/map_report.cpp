@@ -149,7 +149,7 @@ Json map_schema() {
                                    {"period", "of periodic ones", count, false},
                                    {"impacts", "of periodic ones", count, false},
                                    {"sticking", "true: the mass sticks in every turn", JsonForm<bool>::schema(), false},
-                                   {"points", "how many there are", count}});
+                                   {"points", "number of points", count}});
   std::vector<Member> layer = {{"start", "of every row or point; null: at rest", JsonForm<std::optional<Vector>>::schema()},
                                {"follow", "way along the rows", {{"enum", {"none", "up", "down"}}}},
                                {"counts", "of kinds of points", list_schema(kind)}};

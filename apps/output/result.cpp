@@ -84,7 +84,7 @@ void add_output_options(CLI::App& app, OutputOptions& options, const std::string
   options.pictures = !kinds.empty();
   if (options.pictures) add_text(app, "--plot", options.plot, "FILE", "picture of the result (.png, .svg, .pdf)");
   if (kinds.size() > 1)
-    add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("what the picture shows (default {})", kinds.front()));
+    add_choice(app, "--plot-kind", options.plot_kind, kinds, fmt::format("kind of picture (default {})", kinds.front()));
   add_text(app, "--out", options.out, "DIR",
            options.pictures ? "folder that gets JSON, table and all pictures" : "folder that gets JSON and table");
   add_flag(app, "--overwrite", options.overwrite,

@@ -22,10 +22,9 @@ FlowKind FlowChoice::kind() const {
 }
 
 void add_flow_option(CLI::App& app, FlowChoice& choice) {
-  add_choice(
-      app, "--flow", choice.name, {names.begin(), names.end()},
-      "what carries the motions (default automatic: many side by side in SIMD lanes; alone: each by itself; general: each by "
-      "GSL's rk8pd; these are slower, to compare with)");
+  add_choice(app, "--flow", choice.name, {names.begin(), names.end()},
+             "integrator (default automatic: many motions side by side in SIMD lanes; alone: one at a time; general: one at a "
+             "time by GSL's rk8pd; the last two are slower, for comparison)");
 }
 
 void put_flow(Json& options, FlowKind kind) {

@@ -40,9 +40,9 @@ Json plain_result_schema(const std::string& schema, const std::string& meaning, 
   const Json text = JsonForm<std::string>::schema();
   const Json head = object_schema({{"schema", "name and version of the format", {{"const", "graze." + schema}}},
                                    {"graze", "version of the program", text},
-                                   {"command", "that made it", text},
+                                   {"command", "command that made it", text},
                                    {"status", "how the command ended", {{"enum", {"done", "failed", "interrupted"}}}},
-                                   {"message", "what there is to say of it, for example why it failed", text, false}});
+                                   {"message", "remark on the result, such as the reason of a failure", text, false}});
   std::vector<Json> all = {head};
   all.insert(all.end(), members.begin(), members.end());
   Json out = {
@@ -59,12 +59,12 @@ Json result_schema(const std::string& schema, const std::string& meaning, const 
       object_schema({{"system", "its name", text}, {"file", "it was read from", text}, {"text", "of the file", text}});
   const Json from = {{"type", "object"}, {"additionalProperties", {{"type", {"string", "number", "array"}}}}};
   std::vector<Json> all = {object_schema(
-      {{"model", "what it is computed of", {{"anyOf", {built_in, written}}}},
+      {{"model", "the model", {{"anyOf", {built_in, written}}}},
        {"states", "their names, in the order of every state below; x, v where it is missing", list_schema(text), false},
        {"parameters", "all of them", numbers, false},
        {"tied", "values of the parameters that are expressions of others", numbers, false},
        {"converted_from", "the physical quantities that were given", from, false},
-       {"options", "what was asked for", any},
+       {"options", "options of the command", any},
        {"notes", "sentences on events that meet at an instant and whose order matters", list_schema(text), false}})};
   all.insert(all.end(), members.begin(), members.end());
   return plain_result_schema(schema, meaning, all);

@@ -42,7 +42,7 @@ void add_global_options(CLI::App& app, Global& global, const std::string& versio
   add_flag(app, "--quiet", global.quiet, "no progress and no notes on stderr");
   add_count(app, "--threads", global.threads, 0, "threads, where a command can use several (default 0: all)");
   add_number(app, "--time", global.time,
-             "seconds after which it ends with what there is, as at Ctrl-C; exit code 1 if that is not what was asked for");
+             "time limit in seconds; the partial result is kept, as after Ctrl-C (exit code 1 if it is incomplete)");
 }
 
 /// CLI11 reads "--start -0.1,2" as two options; joined by "=" it is one option with a negative value.
@@ -68,8 +68,8 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// Advice such as "; give --to VALUE: where it is to end".
-std::string what_to_give(const CLI::App& app, const std::string& name) {
+/// Advice such as "; give --to VALUE: last value of the parameter".
+std::string advice_on(const CLI::App& app, const std::string& name) {
   const CLI::Option* option = app.get_option_no_throw(name);
   if (!option) return "";
   const std::string given = name.starts_with("-") ? name + " " + option->get_type_name() : "a " + option->get_type_name();
@@ -96,13 +96,13 @@ std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::Parse
     return unknown_name("command", given, names);
   }
   std::string text = error.what();
-  if (dynamic_cast<const CLI::RequiredError*>(&error)) return text + what_to_give(used, text.substr(0, text.find(' ')));
+  if (dynamic_cast<const CLI::RequiredError*>(&error)) return text + advice_on(used, text.substr(0, text.find(' ')));
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
     const std::string option = text.substr(0, text.find(':'));
     const std::size_t received = text.find("but received ");  // "--period: At Most 1 required but received 2"
     if (received != std::string::npos)
       return fmt::format("{} is given {} times; give it once", option, text.substr(received + 13));
-    if (text.find("missing") != std::string::npos) return option + " lacks its value" + what_to_give(used, option);
+    if (text.find("missing") != std::string::npos) return option + " lacks its value" + advice_on(used, option);
   }
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
@@ -152,7 +152,7 @@ int run_program(const std::vector<std::string>& arguments, std::ostream& out, st
       throw std::invalid_argument(fmt::format("--time is {}; allowed is > 0, in seconds", exact(*global.time)));
     const TimeBudget budget(global.time);
     if (!global.quiet && !std::all_of(arguments.begin(), arguments.end(), is_utf8))
-      err << "graze: a name on the command line is not UTF-8; where it stands in a result, U+FFFD replaces what is wrong in it\n";
+      err << "graze: a name on the command line is not UTF-8; results have U+FFFD in place of its invalid bytes\n";
     // The limit also holds for code that does not choose its own number of threads.
     std::optional<oneapi::tbb::global_control> limit;
     if (global.threads > 0)

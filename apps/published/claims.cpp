@@ -127,9 +127,9 @@ Claim claim_of_widest_chaos(const Published& published, const std::string& syste
 const Columns<Claim>& claim_columns() {
   using C = Claim;
   static const Columns<C> list = {{"name", "of the claim", &C::name},
-                                  {"claim", "what the source says", &C::statement},
-                                  {"criterion", "by which it is judged", &C::criterion},
-                                  {"computed", "what was found", &C::computed},
+                                  {"claim", "statement of the source", &C::statement},
+                                  {"criterion", "test of the claim", &C::criterion},
+                                  {"computed", "computed result", &C::computed},
                                   {"verdict", "whether it agrees", &C::verdict},
                                   {"details", "the numbers", &C::details}};
   return list;

@@ -21,18 +21,18 @@ void add_remark(std::string& remark, const std::string& sentence) {
 
 const Columns<Comparison>& comparison_columns() {
   using C = Comparison;
-  static const Columns<C> list = {{"figure", "in which it is published", &C::figure},
+  static const Columns<C> list = {{"figure", "published figure", &C::figure},
                                   {"system", "id of the system", &C::system},
                                   {"eta", "forcing frequency; of a window its lower end", &C::eta},
-                                  {"quantity", "what is compared", &C::quantity},
+                                  {"quantity", "compared quantity", &C::quantity},
                                   {"published", "value", &C::published},
                                   {"computed", "value", &C::computed},
                                   {"uncertainty", "of the computed value; null: it has none", &C::uncertainty},
                                   {"verdict", "whether they agree", &C::verdict},
-                                  {"remark", "what is known where they do not", &C::remark},
+                                  {"remark", "cause of a difference, if known", &C::remark},
                                   {"published_text", "for people", &C::published_text},
                                   {"computed_text", "for people", &C::computed_text},
-                                  {"details", "what else was found", &C::details}};
+                                  {"details", "further results", &C::details}};
   return list;
 }
 

@@ -113,7 +113,7 @@ class ExponentComparison {
     std::string there = attractor_name(attractor);
     if (attractor.orbit && attractor.impacts > 0)
       there += fmt::format(" (slowest impact {})", rounded(slowest_impact(*attractor.orbit->whole), 2));
-    add_remark(row.remark, fmt::format("what is there is {}, not {}", there, label(item_.attractor)));
+    add_remark(row.remark, fmt::format("the motion is {}, not {}", there, label(item_.attractor)));
     if (item_.attractor.type == "impactless") add_remark(row.remark, no_impactless_motion(problem_, *row.eta));
   }
 

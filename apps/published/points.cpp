@@ -127,7 +127,8 @@ Comparison compare_multipliers(const Published& published, const PublishedPoint&
                            "within {}",
                            rounded(off, 2)));
     const auto end = end_of_impactless(problem);
-    if (end && *row.eta > *end) add_remark(row.remark, fmt::format("which does not exist above eta = {}", rounded(*end, 9)));
+    if (end && *row.eta > *end)
+      add_remark(row.remark, fmt::format("the motion without impact does not exist above eta = {}", rounded(*end, 9)));
   }
   return row;
 }

@@ -21,7 +21,7 @@ struct ReproductionOptions {
   bool claims = true;
   std::function<bool()> cancelled = {};
   /// Called by one thread at a time: the current item, and the completed share of the whole.
-  std::function<void(const std::string& what, double fraction)> progress = {};
+  std::function<void(const std::string& item, double fraction)> progress = {};
 };
 
 struct Reproduction {

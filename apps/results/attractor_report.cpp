@@ -81,7 +81,7 @@ const Columns<Attractor>& attractor_columns() {
   };
   const auto conservative = [](const A& attractor) { return attractor.conservative; };
   static const Columns<A> list =
-      joined<A>({{{"type", "what the motion settles on", &A::type},
+      joined<A>({{{"type", "type of attractor", &A::type},
                   {"period", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.period); },
                    [](A& a, std::optional<int> value) { a.period = value.value_or(0); }},
                   {"impacts", "of an orbit, else null", [=](const A& a) { return if_periodic(a, a.impacts); },
@@ -89,7 +89,7 @@ const Columns<Attractor>& attractor_columns() {
                   {"state", "on it, at forcing phase 0", &A::state}},
                  orbit_part(),
                  {{"conservative", "nothing dissipates along the motion", &A::conservative, only(conservative)},
-                  {"motion", "what it is by itself then", &A::motion, only(conservative)},
+                  {"motion", "type of motion without dissipation", &A::motion, only(conservative)},
                   {"unbounded", "how it grows without bound", growth_of,
                    [](A& a, const std::string& value) {
                      for (const auto& [termination, name] : growths)

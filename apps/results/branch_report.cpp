@@ -132,16 +132,16 @@ const Columns<SpecialPoint>& special_point_columns() {
                    only([](const P& point) { return is_marginal(point.type); })}},
                  of_part<P, O>({admissible_column<O>()}, &P::orbit),
                  {{"status", "whether it is located, or only lies in the interval", &P::status},
-                  {"interval", "values between which it certainly lies",
+                  {"interval", "values that enclose it",
                    [](const P& point) {
                      return std::array{point.interval[0], point.interval[1]};
                    },
                    [](P& point, const std::array<double, 2>& ends) { std::copy(ends.begin(), ends.end(), point.interval); }},
                   {"precision", "estimated error of the value", &P::precision},
                   {"after_point", "number of the branch's point behind which it lies, from 0", &P::after_point},
-                  {"details", "what is told of a point of its type", &P::details}},
+                  {"details", "data of this type of point", &P::details}},
                  of_part<P, O>({Column<O>("checks", "proofs that come with the orbit", &O::checks).not_needed()}, &P::orbit),
-                 {Column<P>("newton", "how Newton's method came to it", &P::newton).not_needed()}});
+                 {Column<P>("newton", "course of Newton's method", &P::newton).not_needed()}});
   return list;
 }
 
@@ -167,7 +167,7 @@ const Columns<Symmetry>& symmetry_columns() {
                                      for (Eigen::Index i = 0; i < n; ++i)
                                        symmetry.matrix.row(i) = rows[static_cast<std::size_t>(i)].transpose();
                                    }},
-                                  {"shift [forcing periods]", "by which the image goes before", &S::shift}};
+                                  {"shift [forcing periods]", "lead of the mirror image", &S::shift}};
   return list;
 }
 
@@ -187,7 +187,7 @@ const Columns<Branch>& branch_columns() {
       {"points", "of the branch, in order", &B::points},
       {"special_points", "in the order in which they were met", &B::special_points},
       Column<B>("time_carried [time]", "time through which motion was computed for it", &B::time_carried).not_needed(),
-      object<B>("first_failed", "what was tried last, where the branch broke off",
+      object<B>("first_failed", "last trial point before the branch broke off",
                 {{"value", "of the parameter", [](const B& b) { return b.first_failed->value; }},
                  {"state", "at forcing phase 0", [](const B& b) { return b.first_failed->state(); },
                   only([](const B& b) { return !b.first_failed->states.empty(); })}})

@@ -120,8 +120,8 @@ std::vector<Cascade> cascades(const std::vector<Branch>& branches) {
 const Columns<Doubling>& doubling_columns() {
   using D = Doubling;
   static const Columns<D> list = {{"label", "of the special point", &D::label},
-                                  {"branch", "on which it lies", &D::branch},
-                                  {"period", "that is doubled", &D::period},
+                                  {"branch", "number of its branch", &D::branch},
+                                  {"period", "period before the doubling", &D::period},
                                   {"value", "of the parameter", &D::value}};
   return list;
 }

@@ -200,7 +200,8 @@ OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, con
   finding.before_search = [&](const FoundOrbits& found) {
     out.remark = reached_text(problem, found);
     progress.reset();
-    console.note(fmt::format("{}; searching for orbits of period {}", out.remark, finding.period));
+    console.note(out.remark);  // of several lines if it shows a place in the file
+    console.note(fmt::format("searching for orbits of period {}", finding.period));
     progress.emplace(console.err, console.quiet, "searching");
   };
   finding.search.seed = static_cast<unsigned>(options.seed);
@@ -247,16 +248,16 @@ const Columns<OrbitResult>& origin_columns() {
       object<F>("settled", "where the transient led to",
                 {{"state", "at forcing phase 0", [](const F& found) { return found.settled->state; }},
                  {"periods", "of the transient", [](const F& found) { return found.settled->periods; }},
-                 {"suspected_period", "with which it repeats itself; 0: with none",
+                 {"suspected_period", "period of the motion; 0: none recognised",
                   [](const F& found) { return found.settled->suspected_period; }},
-                 object<F>("orbit", "that it repeats, where that is not of the period asked for",
+                 object<F>("orbit", "orbit that the motion repeats, if of another period than requested",
                            {{"period", "of it", [](const F& found) { return found.settled_on->period; }},
                             {"impacts", "of it", [](const F& found) { return found.settled_on->impacts; }},
                             {"stable", "whether it is", [](const F& found) { return found.settled_on->stable(); }},
                             {"is_result", "it is the orbit of this result", is_result}})
                      .where([](const F& found) { return found.settled_on.has_value(); })})
           .where([](const F& found) { return found.settled.has_value(); }),
-      {"remark", "what the motion settled on, where a search had to follow", &F::remark,
+      {"remark", "end of the transient, if a search followed", &F::remark,
        only([](const F& found) { return !found.remark.empty(); })}};
   return list;
 }

@@ -13,13 +13,13 @@ std::vector<std::string> motion_columns(const Problem& problem, const Quantities
 const Columns<ListedMotion>& listed_motion_columns() {
   using M = ListedMotion;
   static const Columns<M> list = {
-      {"periods", "that were completed", [](const M& m) { return m.motion.periods; }},
+      {"periods", "completed forcing periods or returns", [](const M& m) { return m.motion.periods; }},
       {"end", "how the run ended", [](const M& m) { return std::string(termination_text(m.motion.termination)); }},
       {"columns", "of the samples", &M::columns},
       {"samples", "at equal steps of time", [](const M& m) { return finite(m.motion.samples); }},
       {"stroboscopic", "states at forcing phase 0 (behind returns)", [](const M& m) { return m.motion.strobe; }},
       {"events", "on the way", [](const M& m) { return listed(m.motion.events, m.list); }},
-      {"contacts", "that begin or end on the way", [](const M& m) { return m.list.contacts; }}};
+      {"contacts", "contacts that begin or end during the run", [](const M& m) { return m.list.contacts; }}};
   return list;
 }
 

@@ -54,7 +54,7 @@ const Columns<ListedEvent>& event_columns() {
   const auto ends = [](const E& one) { return one.ended.has_value(); };
   static const Columns<E> list = {
       {"tau [time]", "time since forcing phase 0, or since the start of the run", [](const E& e) { return e.event->t; }},
-      {"kind", "what happens", [](const E& e) { return e.event->kind; }},
+      {"kind", "kind of event", [](const E& e) { return e.event->kind; }},
       {"speed [speed]", "normal speed", [](const E& e) { return e.event->normal_speed; }},
       {"restitution", "of the contact that ends; null: not known", [](const E& e) { return known(true, e.ended->restitution); },
        only(ends)},
@@ -175,9 +175,9 @@ const Columns<PeriodicOrbit>& orbit_columns() {
                    [](const O& o) { return std::count(o.multipliers.values.begin(), o.multipliers.values.end(), 0.0); }},
                   {"duration [time]", "of the orbit", &O::duration},
                   {"events", "along the orbit", [](const O& o) { return listed(o.events, contacts_of_orbit(o)); }},
-                  {"contacts", "that begin along the orbit", [](const O& o) { return contacts_of_orbit(o).contacts; }},
+                  {"contacts", "contacts that begin along the orbit", [](const O& o) { return contacts_of_orbit(o).contacts; }},
                   {"checks", "proofs that come with the orbit", &O::checks},
-                  {"newton", "how Newton's method came to it", &O::newton}}});
+                  {"newton", "course of Newton's method", &O::newton}}});
   return list;
 }
 

@@ -220,22 +220,22 @@ Columns<SkeletonSeed> seed_columns(std::size_t parameter) {
 
 const Columns<SearchFineness>& fineness_columns() {
   using F = SearchFineness;
-  static const Columns<F> list = {{"max_period", "up to which stable orbits were searched", &F::max_period},
-                                  {"values", "of the parameter at which they were", &F::values},
-                                  {"spacing", "of these values", &F::spacing},
-                                  {"starts", "at each", &F::starts},
-                                  object<F>("unstable", "the same of unstable orbits; 0: they were not searched",
-                                            {{"max_period", "up to which they were searched", &F::unstable_period},
-                                             {"values", "of the parameter", &F::unstable_values}})};
+  static const Columns<F> list = {
+      {"max_period", "longest period in the search for stable orbits", &F::max_period},
+      {"values", "parameter values of the search", &F::values},
+      {"spacing", "of these values", &F::spacing},
+      {"starts", "at each", &F::starts},
+      object<F>("unstable", "the search for unstable orbits; 0: none",
+                {{"max_period", "longest period", &F::unstable_period}, {"values", "of the parameter", &F::unstable_values}})};
   return list;
 }
 
 const Columns<CutOff>& cut_off_columns() {
-  static const Columns<CutOff> list = {
-      {"branch", "on which it begins; 0: at a seed", &CutOff::branch},
-      {"label", "of the special point", &CutOff::label},
-      {"reason", "why it was not followed", &CutOff::reason},
-      {"families", "that begin there", &CutOff::families, only([](const CutOff& cut) { return cut.families > 0; })}};
+  static const Columns<CutOff> list = {{"branch", "branch at which it begins; 0: at a seed", &CutOff::branch},
+                                       {"label", "of the special point", &CutOff::label},
+                                       {"reason", "why it was not followed", &CutOff::reason},
+                                       {"families", "number of families that begin there", &CutOff::families,
+                                        only([](const CutOff& cut) { return cut.families > 0; })}};
   return list;
 }
 
@@ -243,16 +243,16 @@ Json skeleton_schema() {
   const Json count = JsonForm<int>::schema();
   Json seed = merged_schemas({schema_of(seed_columns(0)), schema_of(kept_columns())});
   seed["required"] = schema_of(seed_columns(0))["required"];
-  return object_schema({{"search", "how fine the search for seeds was", schema_of(fineness_columns()), false},
-                        {"seeds", "orbits from which branches are followed; those of an unfinished result can be read back",
-                         list_schema(seed), false},
-                        {"branches", "each with its special points", branches_schema()},
-                        {"cascades", "of period doublings", JsonForm<std::vector<Cascade>>::schema()},
-                        {"cut_off", "what was not followed", JsonForm<std::vector<CutOff>>::schema(), false},
-                        {"seed_search", "of an unfinished result",
-                         object_schema({{"parts", "into which the search is divided", count},
-                                        {"done", "their numbers, from 0", list_schema(count)}}),
-                         false}});
+  return object_schema(
+      {{"search", "how fine the search for seeds was", schema_of(fineness_columns()), false},
+       {"seeds", "orbits from which branches are followed; those of an unfinished result can be read back", list_schema(seed),
+        false},
+       {"branches", "each with its special points", branches_schema()},
+       {"cascades", "of period doublings", JsonForm<std::vector<Cascade>>::schema()},
+       {"cut_off", "branches that were not followed", JsonForm<std::vector<CutOff>>::schema(), false},
+       {"seed_search", "of an unfinished result",
+        object_schema({{"parts", "number of parts of the search", count}, {"done", "their numbers, from 0", list_schema(count)}}),
+        false}});
 }
 
 void put_skeleton(Json& result, const Skeleton& found, std::size_t parameter, int threads) {

@@ -16,8 +16,8 @@ const Columns<SweepRow>& row_columns() {
   using R = SweepRow;
   static const Columns<R> list =
       joined<R>({{{"value", "of the parameter", &R::value},
-                  {"direction", "in which the parameter goes", &R::direction},
-                  {"attractor", "what the motion settles on", &R::attractor}},
+                  {"direction", "direction of the parameter", &R::direction},
+                  {"attractor", "attractor at this value", &R::attractor}},
                  of_part<R, Attractor>(exponents_columns(), &R::attractor),
                  {{"periods", "of the exponents' average", [](const R& row) { return row.attractor.time_average.periods; },
                    [](R& row, std::int64_t value) { row.attractor.time_average.periods = value; }},
@@ -170,10 +170,10 @@ std::vector<ChaoticWindow> chaotic_windows(const std::vector<SweepRow>& rows) {
 const Columns<ChaoticWindow>& window_columns() {
   using W = ChaoticWindow;
   static const Columns<W> list = {
-      {"direction", "in which the parameter goes", &W::direction},
+      {"direction", "direction of the parameter", &W::direction},
       {"from", "lowest value of the parameter", &W::from},
       {"to", "highest value of the parameter", &W::to},
-      {"values", "how many of them", &W::values},
+      {"values", "number of values", &W::values},
       {"largest_exponent [1/time]", "in the window", &W::largest_exponent},
       {"standard_error [1/time]", "of it", [](const W& window) { return finite(window.standard_error); }},
       {"at", "value of the parameter there", &W::at}};

@@ -97,7 +97,7 @@ const Columns<OrbitCheck>& verified_columns() {
       {"name", "of the check", &C::name},
       {"disagreement", "null: not applicable",
        [](const C& check) { return check.applicable() ? std::optional(check.disagreement) : std::nullopt; }},
-      {"bound", "above which it has failed", &C::limit},
+      {"bound", "largest allowed disagreement", &C::limit},
       {"ok", "it has not failed", &C::passes}};
   return list;
 }

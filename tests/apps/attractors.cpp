@@ -200,12 +200,12 @@ TEST_CASE("attractors refuses invalid options") {
     CHECK(outcome.out.empty());
     return outcome.err;
   };
-  CHECK_THAT(misuse({"--x=-2"}), Contains("--x -2: must be a:b:n"));
-  CHECK_THAT(misuse({"--x=-2:a:5"}), Contains("must be a:b:n, n values from a to b"));
-  CHECK_THAT(misuse({"--v=1:-1:5"}), Contains("--v 1:-1:5: the range must go from less to more"));
+  CHECK_THAT(misuse({"--x=-2"}), Contains("--x -2: must be A:B:N"));
+  CHECK_THAT(misuse({"--x=-2:a:5"}), Contains("must be A:B:N, N values from A to B"));
+  CHECK_THAT(misuse({"--v=1:-1:5"}), Contains("--v 1:-1:5: A:B:N needs A < B; A is 1, B is -1"));
   CHECK_THAT(misuse({"--v=-1:1:0"}), Contains("the number of values must be a whole number >= 1"));
-  CHECK_THAT(misuse({"--x=-1:inf:5"}), Contains("must be a:b:n"));
-  CHECK_THAT(misuse({"--random", "5", "--x=-1:1:5"}), Contains("must be a:b, a range"));
+  CHECK_THAT(misuse({"--x=-1:inf:5"}), Contains("must be A:B:N"));
+  CHECK_THAT(misuse({"--random", "5", "--x=-1:1:5"}), Contains("must be A:B, a range"));
   CHECK_THAT(misuse({"--random", "0"}), Contains("--random 0") && Contains("whole number >= 1"));
   CHECK_THAT(misuse({"--seed", "3"}), Contains("give --random N too"));
   CHECK_THAT(misuse({"--x=-2:2:2000", "--v=-2:2:2000"}), Contains("more than a million"));

@@ -50,7 +50,8 @@ TEST_CASE("diagram refuses invalid options") {
   CHECK_THAT(misuse({"--skeleton", "--to", "0.7"}), Contains("--from is required"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0", "--to", "0.7"}), Contains("eta is 0; allowed is >= 0.0001"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--param", "etta"}), Contains("did you mean \"eta\""));
-  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--max-step", "0"}), Contains("--max-step must be > 0"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--max-step", "0"}),
+             Contains("--max-step is 0; allowed is > 0"));
   for (const char* option : {"--max-period", "--max-branches"})
     for (const char* value : {"0", "-2", "2.5", "many"})
       CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", std::string(option) + "=" + value}),

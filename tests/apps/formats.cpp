@@ -365,7 +365,7 @@ TEST_CASE("an unknown picture is refused with the available ones") {
   CHECK_THROWS_WITH(picture_of(Json{{"schema", "graze.models/1"}}), Contains("graze.models/1") && Contains("graze.branch/1"));
   CHECK_THROWS_WITH(picture_of(Json{{"schema", "graze.branch/1"}}, "brunch"), Contains("did you mean \"branch\""));
   CHECK_THROWS_WITH(picture_of(Json{{"schema", "graze.branch/1"}}),
-                    Contains("lacks what its picture needs") || Contains("which model"));
+                    Contains("the picture cannot be drawn") || Contains("which model"));
   const Table table{{"tau", "x", "name"}, {{"0", "1", "a"}, {"1", "2", "b"}}};
   CHECK(picture_of(table).curves.size() == 1);
   CHECK_THROWS_WITH(picture_of(table, "tua"), Contains("did you mean \"tau\""));

@@ -323,15 +323,15 @@ TEST_CASE("map refuses invalid options") {
   };
   CHECK_THAT(misuse({}), Contains("--param is not given; a map is over two parameters"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3"}), Contains("--param is given 1 time"));
-  CHECK_THAT(misuse({"--param", "eta:0.7:0.8", "--param", "r:1:2:3"}), Contains("--param eta:0.7:0.8: must be NAME:a:b:n"));
+  CHECK_THAT(misuse({"--param", "eta:0.7:0.8", "--param", "r:1:2:3"}), Contains("--param eta:0.7:0.8: must be NAME:A:B:N"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:0", "--param", "r:1:2:3"}), Contains("whole number >= 1"));
-  CHECK_THAT(misuse({"--param", "eta:0.8:0.7:3", "--param", "r:1:2:3"}), Contains("from less to more"));
+  CHECK_THAT(misuse({"--param", "eta:0.8:0.7:3", "--param", "r:1:2:3"}), Contains("A:B:N needs A < B; A is 0.8, B is 0.7"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3", "--param", "eta:1:2:3"}), Contains("both parameters of the map are eta"));
   CHECK_THAT(misuse({"--param", "eta:0:0.8:3", "--param", "r:1:2:3"}), Contains("--param eta:0:0.8:3: parameter eta is 0"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:99999999999", "--param", "r:1:2:3"}),
              Contains("--param eta:0.7:0.8:99999999999: the number of values must be a whole number >= 1 and <= 2147483647"));
   CHECK_THAT(misuse({"--param", "eta:nan:0.8:3", "--param", "r:1:2:3"}),
-             Contains("--param eta:nan:0.8:3: must be NAME:a:b:n, n values from a to b, for example eta:0.65:0.95:200"));
+             Contains("--param eta:nan:0.8:3: must be NAME:A:B:N, N values from A to B, for example eta:0.65:0.95:200"));
   CHECK_THAT(misuse({"--param", "etta:0.7:0.8:3", "--param", "r:1:2:3"}),
              Contains("--param etta:0.7:0.8:3: there is no") && Contains("did you mean \"eta\"?"));
   CHECK_THAT(misuse({"--param", "eta:0.7:0.8:3", "--param", "k_r:0:1:3"}), Contains("belongs to the newton contact law"));

@@ -22,14 +22,17 @@ const std::string newton = "[model]\noscillator = \"linear\"\ncontact = \"newton
 
 Problem parsed(const std::string& text) { return parse_problem(text, "p.toml"); }
 
-/// The message with which a file is refused. It is one line; if the file is not TOML, two more lines show the place.
+/// The message with which a file is refused. It is one line; two more show the place if the file is not TOML or has an unknown
+/// section.
 std::string refused(const std::string& text) {
   try {
     parsed(text);
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();
     const auto breaks = std::count(message.begin(), message.end(), '\n');
-    CHECK(breaks == (message.find("not valid TOML") != std::string::npos ? 2 : 0));
+    const bool shows_line =
+        message.find("not valid TOML") != std::string::npos || message.find("unknown section") != std::string::npos;
+    CHECK(breaks == (shows_line ? 2 : 0));
     CHECK_THAT(message, Contains("p.toml"));
     return message;
   }

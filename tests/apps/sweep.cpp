@@ -109,7 +109,7 @@ TEST_CASE("sweep continues an interrupted run with identical bits") {
   CHECK(json_of(renamed)["rows"] == whole["rows"]);
   folder.write("run/sweep.json", "{\n\"schema\": [1,");
   CHECK_THAT(run(with({"--resume", out})).err,
-             Contains("run/sweep.json: this is not valid JSON from line 2 on, where it breaks off; compute it anew"));
+             Contains("run/sweep.json: invalid JSON: the file ends early, in line 2; compute it anew"));
 }
 
 TEST_CASE("sweep does not depend on the number of threads for cancelled rows too") {
@@ -133,7 +133,8 @@ TEST_CASE("sweep refuses invalid options") {
     CHECK(outcome.out.empty());
     return outcome.err;
   };
-  CHECK_THAT(misuse({"--from", "0.8", "--to", "0.7", "--step", "0.01"}), Contains("a sweep needs from < to"));
+  CHECK_THAT(misuse({"--from", "0.8", "--to", "0.7", "--step", "0.01"}),
+             Contains("--from 0.8 and --to 0.7: the range is empty; --from must be below --to"));
   CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "0"}), Contains("--step is 0; allowed is > 0"));
   CHECK_THAT(misuse({"--from", "0.7", "--to", "0.8", "--step", "1e-9"}), Contains("at most a million"));
   CHECK_THAT(misuse({"--from", "0", "--to", "0.8", "--step", "0.1"}), Contains("--from"));
