@@ -209,7 +209,7 @@ void BranchFollower::end_at_chatter(const Branch& branch) {
   const bool sticks = end.isolated_impacts < end.impacts;
   const std::string event =
       end.impacts == 0 && holds_something(system_, end.signature.mode)
-          ? "a mass that is held along all orbits before is released, and returns to its stop by complete chatter"
+          ? "a mass that is held along all orbits before is released there and returns to its stop by complete chatter"
           : fmt::format("the chatter {} complete, and the mass {}", sticks ? "is no longer" : "becomes",
                         sticks ? "does not stick beyond" : "sticks beyond");
   ending_ = {BranchStop::chatter, end.value, fmt::format("at {} = {:.12g} {}", branch.parameter, end.value, event)};
