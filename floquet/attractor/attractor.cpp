@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/transient.hpp>
 #include <graze/floquet/exponents/running_average.hpp>
@@ -211,12 +212,6 @@ MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vecto
   co_return is_fast(options) && too_short;
 }
 
-MotionTask<> find_into(TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const AttractorOptions& options,
-                       Attractor& attractor) {
-  attractor = co_await approach_attractor(lane, system, start.p, start.state, options);
-  co_await average_on_attractor(lane, system, start.p, attractor, options);
-}
-
 }  // namespace
 
 MotionTask<Attractor> approach_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
@@ -266,14 +261,6 @@ void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Attractor out = approach_attractor(system, p, start, options);
   average_on_attractor(system, p, out, options);
-  return out;
-}
-
-std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
-                                           const AttractorOptions& options) {
-  std::vector<Attractor> out(starts.size());
-  run_tasks(system, options.lyapunov.flow, false, starts.size(),
-            [&](std::size_t i, TaskSlot& lane) { return find_into(lane, system, starts[i], options, out[i]); });
   return out;
 }
 

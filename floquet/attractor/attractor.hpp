@@ -14,17 +14,15 @@
 
 #include <graze/floquet/exponents/lyapunov.hpp>
 #include <graze/floquet/orbit/stable_orbit.hpp>
-#include <graze/lib/tasks/task.hpp>
 
 #include <complex>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 namespace graze {
-
-class TaskSlot;
 
 enum class AttractorType { undecided, periodic, chaotic };
 
@@ -79,21 +77,9 @@ Attractor approach_attractor(const HybridSystem& system, const Vector& p, const 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor,
                           const AttractorOptions& options = {});
 
-/// The same as tasks of a pool (TaskPool). In fast mode (AttractorOptions::recurrence > 0) and with periods_on_orbit = 0, the
-/// motion shares the SIMD lanes with those of other tasks if the lanes support the system; otherwise a Propagator carries it.
-/// The result does not depend on the other tasks. Orbits found in lanes are not whole.
-MotionTask<Attractor> approach_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
-                                         const AttractorOptions& options);
-MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
-                                  const AttractorOptions& options);
-
 /// Makes `attractor` the periodic attractor that a stable orbit is.
 void settle_on(Attractor& attractor, StableOrbit orbit);
 /// The same without storing the orbit.
 void describe_orbit(Attractor& attractor, const StableOrbit& orbit);
-
-/// find_attractor from each start, as tasks of one pool.
-std::vector<Attractor> find_each_attractor(const HybridSystem& system, const std::vector<AverageStart>& starts,
-                                           const AttractorOptions& options = {});
 
 }  // namespace graze

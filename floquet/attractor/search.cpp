@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/attractor/search.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>

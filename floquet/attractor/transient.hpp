@@ -3,7 +3,7 @@
 // is set, also when the motion returns.
 #pragma once
 
-#include <graze/floquet/attractor/attractor.hpp>
+#include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/return_watch.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>

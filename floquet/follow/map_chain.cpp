@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/follow/map_chain.hpp>
 #include <graze/floquet/follow/sweep_chain.hpp>
 #include <graze/lib/motion/rest.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/attractor_decision.hpp>
+#include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/follow/sweep_chain.hpp>
 #include <graze/floquet/orbit/returns.hpp>
 #include <graze/lib/motion/rest.hpp>

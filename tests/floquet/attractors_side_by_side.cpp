@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Attractors of many points side by side, against those of each point alone.
 #include "support/checks.hpp"
+#include "support/each_attractor.hpp"
 
 #include <graze/floquet/attractor/attractor_decision.hpp>
 #include <graze/lib/models/oscillator.hpp>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A mass at rest on a preloaded stop. It is recognised by every method, for impacts with and without energy loss.
-#include <graze/floquet/attractor/attractor.hpp>
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
 #include <graze/floquet/basins/basins.hpp>
@@ -8,6 +7,7 @@
 #include <graze/lib/motion/rest.hpp>
 
 #include "support/checks.hpp"
+#include "support/each_attractor.hpp"
 #include "support/newton_oscillator.hpp"
 
 #include <catch2/catch.hpp>
