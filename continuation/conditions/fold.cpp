@@ -3,6 +3,7 @@
 //
 // Test function: the parameter's component of the tangent. It also passes zero on the branch that turns in a pitchfork. There a
 // multiplier only touches +1, and the point is a branch point.
+#include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 
 namespace graze {

@@ -11,23 +11,14 @@
 // the impacts.
 #pragma once
 
+#include <graze/continuation/conditions/located_point.hpp>
 #include <graze/continuation/problems/branch_problem.hpp>
-
-#include <optional>
 
 namespace graze {
 
 struct MultiplierCondition {
   double theta = 0.0;       ///< radians; the first guess if it is free
   bool theta_free = false;  ///< theta is an unknown (Neimark-Sacker); otherwise theta is 0 or pi
-};
-
-struct LocatedPoint {
-  NewtonReport newton;
-  Vector u;                ///< unknowns of the branch at the point, the parameter's value last
-  double theta = 0.0;      ///< radians
-  double precision = 0.0;  ///< estimated error of the parameter's value
-  Eigen::VectorXcd v, w;   ///< right and left null vectors of K at the point (as many entries as H)
 };
 
 /// Newton's method on the extended system from `start`. If it fails, the report is not converged and the precision is 0.

@@ -6,6 +6,7 @@
 // A sign change is therefore NS only if pairs cross the circle while the numbers of pairs and of real multipliers beyond +-1
 // stay the same. If these numbers change too (LP, PD, or a pair becomes real), the step is halved. In a dissipative system with
 // one degree of freedom det M < 1: neither NS nor a neutral saddle can occur.
+#include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 
 #include <cmath>

@@ -11,6 +11,7 @@
 // w^H K(-1) = 0, phi = (v, -v), psi = (w, -w) and H_u h2 = -H_uu phi phi, the Lyapunov-Schmidt reduction gives the same
 // coefficient, for the amplitude along phi:
 //     c = -psi . [H_uuu phi phi phi + 3 H_uu phi h2] / (12 w . (dK/dsigma) v).
+#include <graze/continuation/conditions/multiplier_condition.hpp>
 #include <graze/continuation/conditions/own_coordinates.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/lib/numerics/null_vectors.hpp>

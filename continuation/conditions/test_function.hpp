@@ -7,16 +7,19 @@
 #pragma once
 
 #include <graze/continuation/conditions/birth.hpp>
-#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/located_point.hpp>
 #include <graze/continuation/problems/branch.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
+#include <complex>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace graze {
+
+class BranchProblem;
 
 /// Input of a test function: a point of the curve with its multipliers.
 struct TestPoint {

@@ -2,6 +2,7 @@
 // UZ: a scalar of the orbit, given by the user, is zero. Located by Newton's method on H(u) = 0, g(u) = 0. The gradient of g is
 // formed by central differences, because g is known as a function of the orbit only.
 #include <graze/continuation/conditions/test_function.hpp>
+#include <graze/continuation/problems/branch_problem.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <cmath>
