@@ -15,6 +15,7 @@
 #include <graze/apps/results/find_orbit.hpp>
 #include <graze/apps/results/input_file.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/apps/text/write_items.hpp>
 #include <graze/lib/motion/sampled_motion.hpp>
 
 #include <graze/floquet/basins/basins.hpp>

@@ -2,6 +2,7 @@
 #include <graze/apps/results/attractor_report.hpp>
 #include <graze/apps/results/sweep_report.hpp>
 #include <graze/apps/text/number.hpp>
+#include <graze/apps/text/write_items.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <fmt/format.h>

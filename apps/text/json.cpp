@@ -2,7 +2,7 @@
 #include <graze/apps/text/json.hpp>
 #include <graze/apps/text/json_layout.hpp>
 #include <graze/apps/text/json_member.hpp>
-#include <graze/apps/text/long_text.hpp>
+#include <graze/apps/text/write_items.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 
 #include <algorithm>

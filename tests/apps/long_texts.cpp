@@ -5,7 +5,7 @@
 #include <graze/apps/console/output_file.hpp>
 #include <graze/apps/results/sweep_report.hpp>
 #include <graze/apps/text/json_text.hpp>
-#include <graze/apps/text/long_text.hpp>
+#include <graze/apps/text/write_items.hpp>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
