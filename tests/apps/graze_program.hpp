@@ -46,6 +46,10 @@ std::string problem(const std::string& id);
 
 std::string read_file(const std::filesystem::path& file);
 
+/// For a test that needs a program or module which is not there: fails, or only warns if the environment variable
+/// GRAZE_TESTS_MAY_SKIP is set.
+void skip_test(const std::string& reason);
+
 class TemporaryFolder {
  public:
   TemporaryFolder();
