@@ -72,7 +72,7 @@ TEST_CASE("chaotic exponents to a ten-thousandth", "[.slow]") {
   for (const Reference& reference : references()) {
     const bool slow = std::string(reference.oscillator) == "cantilever";
     const Attractor attractor = averaged(reference, slow ? 500000 : 1000000);
-    WARN(reference.oscillator << " " << reference.law << ": " << attractor.exponents.at(0) << " +- "
+    INFO(reference.oscillator << " " << reference.law << ": " << attractor.exponents.at(0) << " +- "
                               << attractor.standard_errors.at(0));
     CHECK(attractor.standard_errors[0] < 1.2e-4);
     compare(reference, attractor, 1e-10);  // in a million periods some impact is as slow as 1e-6
