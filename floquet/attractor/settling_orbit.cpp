@@ -213,11 +213,7 @@ StableOrbit stable_orbit(const HybridSystem& system, const Vector& p, const Lane
   orbit.duration = orbit.period * forcing_period(system, p);
   for (const StatePair& state : found.states) orbit.states.push_back(vector_of(state));
   orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
-  orbit.multipliers.valid = true;
-  for (const auto& mu : found.multipliers) {
-    orbit.multipliers.values.push_back(mu);
-    orbit.multipliers.exponents.push_back(std::log(std::abs(mu)) / orbit.duration);
-  }
+  orbit.multipliers = multipliers_of_values({found.multipliers.begin(), found.multipliers.end()}, orbit.duration);
   return orbit;
 }
 

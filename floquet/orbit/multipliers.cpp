@@ -13,6 +13,7 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace graze {
 
@@ -248,6 +249,18 @@ bool FloquetMultipliers::neutral() const {
          std::all_of(values.begin(), values.end(), [](const auto& mu) { return std::abs(std::abs(mu) - 1.0) < on_unit_circle; });
 }
 
+FloquetMultipliers multipliers_of_values(std::vector<std::complex<double>> values, double duration) {
+  FloquetMultipliers out;
+  out.values = std::move(values);
+  out.valid = true;
+  for (const auto& mu : out.values) {
+    const double modulus = std::abs(mu);
+    out.valid = out.valid && std::isfinite(modulus);
+    out.exponents.push_back(modulus > 0.0 ? std::log(modulus) / duration : -std::numeric_limits<double>::infinity());
+  }
+  return out;
+}
+
 FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
   FloquetMultipliers result;
   result.section = whole.section;
@@ -257,8 +270,10 @@ FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
   const std::vector<KeptState> kept = kept_states(whole);
   const MonodromyMatrix others = kept.empty() ? MonodromyMatrix{} : without(whole, kept);
   const MonodromyMatrix& monodromy = kept.empty() ? whole : others;
+  std::vector<std::complex<double>> values;
+  int trivial = 0;
   if (monodromy.section == Section::stroboscopic) {
-    result.values = product_eigenvalues(monodromy.factors, monodromy.log_dets, monodromy.lost);
+    values = product_eigenvalues(monodromy.factors, monodromy.log_dets, monodromy.lost);
   } else {
     // M carries the direction of the field into itself. As first basis vector it splits off the trivial multiplier; the lower
     // right blocks of the factors remain.
@@ -274,19 +289,15 @@ FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration) {
     }
     if (n > 1) {
       rest.push_back(form.E.bottomRightCorner(n - 1, n - 1));
-      result.values = product_eigenvalues(rest, {}, monodromy.lost);
+      values = product_eigenvalues(rest, {}, monodromy.lost);
     }
-    result.values.emplace_back(along);
-    result.trivial = 1;
+    values.emplace_back(along);
+    trivial = 1;
   }
-  result.values.insert(result.values.end(), kept.size(), 1.0);
-  result.trivial += static_cast<int>(kept.size());
-  result.valid = true;
-  for (const auto& mu : result.values) {
-    const double modulus = std::abs(mu);
-    result.valid = result.valid && std::isfinite(modulus);
-    result.exponents.push_back(modulus > 0.0 ? std::log(modulus) / duration : -std::numeric_limits<double>::infinity());
-  }
+  values.insert(values.end(), kept.size(), 1.0);
+  result = multipliers_of_values(std::move(values), duration);
+  result.section = whole.section;
+  result.trivial = trivial + static_cast<int>(kept.size());
   return result;
 }
 

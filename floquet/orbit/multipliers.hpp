@@ -48,6 +48,9 @@ struct FloquetMultipliers {
   bool neutral() const;
 };
 
+/// From values in this order, of an orbit of the given duration (dimensionless time): with exponents, valid if they are finite.
+FloquetMultipliers multipliers_of_values(std::vector<std::complex<double>> values, double duration);
+
 /// Multipliers of an orbit of the given duration (dimensionless time).
 FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration);
 
