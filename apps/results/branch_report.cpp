@@ -321,7 +321,6 @@ Branch branch_from(const Json& json, const Problem& problem, const std::string& 
     p[index] = branch.special_points[i].value;
     orbit.parameters = p;
     orbit.state = orbit.states.front();
-    orbit.newton.status = NewtonStatus::converged;
     complete(orbit, json.at("special_points").at(i), problem.system, p, orbit.period);
   }
   return branch;
