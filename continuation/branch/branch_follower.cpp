@@ -738,7 +738,7 @@ bool BranchFollower::step_around_corner(OrbitProblem& problem, Branch& branch, C
     const std::optional<GrazingGuess> guess = weakest ? weakest_contact(problem, last.u) : nearest_miss(problem, last.u);
     if (!guess) continue;
     const LocatedGrazing located = locate_grazing(problem, last.u, *guess);
-    if (!located.newton.converged() || located.scenario != GrazingScenario::smooth ||
+    if (!located.confirmed || located.scenario != GrazingScenario::smooth ||
         weighted_norm(zero.weights, located.u - last.u) > near)
       continue;
     // The branch may have passed the grazing already, with the tip of the corner still ahead.

@@ -221,7 +221,7 @@ PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before
     const std::vector<GrazingGuess> guesses =
         u ? weakest_contacts(here, *u, change > 1 ? change : considered) : std::vector<GrazingGuess>{};
     const auto within_step = [&](const LocatedGrazing& found) {
-      const double value = found.newton.converged() ? here.value(found.u) : std::numeric_limits<double>::quiet_NaN();
+      const double value = found.confirmed ? here.value(found.u) : std::numeric_limits<double>::quiet_NaN();
       return value >= low - 0.01 * width && value <= high + 0.01 * width;
     };
     LocatedGrazing located;
@@ -231,7 +231,7 @@ PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before
     const double value = here.value(located.u);
     const auto apart = [&](const GrazingGuess& other) {
       const LocatedGrazing found = locate_grazing(here, *u, other);
-      return !found.newton.converged() || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
+      return !found.confirmed || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
     };
     if (change > 1 && std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
     const Vector along =

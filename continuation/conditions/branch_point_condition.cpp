@@ -79,6 +79,7 @@ LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
   if (null.size() > 0) located.v = null.cast<std::complex<double>>();
   if (!located.newton.converged()) return located;
   const double unfolding = v[size + 1];
+  // Solved with an unfolding, the equations have no branch point here: as a method for that point Newton's has stalled.
   if (!(std::abs(unfolding) < 1e-8)) located.newton.status = NewtonStatus::stalled;
   // Newton's method does not take its last step, so the length of that step estimates the remaining error.
   located.precision = std::abs(last_step) + 1e-13 * (1.0 + std::abs(located.u[size]));

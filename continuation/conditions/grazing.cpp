@@ -388,20 +388,20 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   located.u = v.head(unknowns);
   t = v[unknowns];
   if (located.newton.converged()) {
-    if (!(located.curvature < 0.0)) located.newton.status = NewtonStatus::stalled;
+    located.confirmed = located.curvature < 0.0;
     // A truncation error below half of the rounding is covered by it.
     located.precision = std::max(rounding_of_equations * scale * row.lpNorm<1>(), 2.0 * truncation(residual, at, row));
     const double left = std::abs(last_step);  // Newton's method does not take its last step
     if (left > located.precision) located.precision += left;
   }
-  if (located.newton.converged()) analyse(problem, guess, at, jacobian, located);
+  if (located.confirmed) analyse(problem, guess, at, jacobian, located);
   const Vector shortened = located.u.head(unknowns - 1);
-  if (located.newton.converged()) {
+  if (located.confirmed) {
     leave_out(equations);
     located.orbit = problem.orbit(located.u, located.newton);
-    if (located.orbit.states.empty()) located.newton.status = NewtonStatus::evaluation_failed;  // another contact touches too
+    located.confirmed = !located.orbit.states.empty();  // else another contact touches too
   }
-  if (located.newton.converged()) {
+  if (located.confirmed) {
     if (miss > 0.0) {
       located.u += miss / located.top_dp * located.family_dp;
       located.orbit.parameters[static_cast<Eigen::Index>(problem.parameter())] = problem.value(located.u);

@@ -46,6 +46,7 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
 
 struct LocatedGrazing {
   NewtonReport newton;
+  bool confirmed = false;                   ///< converged to a maximum of the guard function that no other contact touches
   Vector u;                                 ///< unknowns of the orbit, the parameter's value last
   std::size_t event = 0;                    ///< index of the event whose guard is touched
   int touches = 1;                          ///< number of contacts that touch together; all are left out
@@ -72,8 +73,7 @@ struct LocatedGrazing {
   Vector kick;      ///< change of state by an impact, per unit of its speed
 };
 
-/// Newton's method from the orbit at u and the guess. If it fails, the report is not converged. Its status is `stalled` if the
-/// curvature is not negative, and `evaluation_failed` if another contact touches too.
+/// Newton's method from the orbit at u and the guess. The result is a grazing only if it is confirmed.
 ///
 /// `together`: contacts on other stretches that touch together with this one (an orbit symmetric between two barriers). They
 /// are left out too. The linear response describes a single impact, so that the scenario then stays unknown. `missed`: free

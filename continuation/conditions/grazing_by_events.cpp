@@ -125,7 +125,7 @@ std::optional<LocatedGrazing> grazing_near(OrbitProblem& problem, const Vector& 
                                            const std::vector<GrazingGuess>& together, const std::vector<GrazingGuess>& missed) {
   constexpr double near = 0.02;
   LocatedGrazing located = locate_grazing(problem, u, guess, together, missed);
-  if (!located.newton.converged()) return std::nullopt;
+  if (!located.confirmed) return std::nullopt;
   if (weighted_norm(problem.zero_problem().weights, located.u - u) > near) return std::nullopt;
   return located;
 }
