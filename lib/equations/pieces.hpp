@@ -75,4 +75,9 @@ struct Pieces {
   std::vector<SurfacePiece> surfaces = {};
 };
 
+struct Names;
+
+/// The number of the mode with this name. `who` names it: "the event wall". @throws EquationError
+std::size_t mode_number(const Names& names, const Pieces& pieces, const Text& name, const std::string& who);
+
 }  // namespace graze::equations

@@ -98,14 +98,8 @@ class PiecesReader {
     for (const ModePiece& mode : out_.modes) rates_.emplace_back(names_, mode);
   }
 
-  std::size_t mode_number(const Text& name, const std::string& event) const {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < out_.modes.size(); ++i) {
-      if (out_.modes[i].name == name.text) return i;
-      names.push_back(out_.modes[i].name);
-    }
-    names_.refuse(name.place, fmt::format("the event {} names an unknown mode '{}'{}", event, name.text,
-                                          suggestion_or_list(name.text, names)));
+  std::size_t mode_of(const Text& name, const std::string& event) const {
+    return mode_number(names_, out_, name, "the event " + event);
   }
 
   /// A mode to which a reset may lead; it does if the conditions are positive.
@@ -174,10 +168,10 @@ class PiecesReader {
           map[*i] = one.value;
         }
       }
-      const std::size_t first = text.from ? mode_number(*text.from, name) : 0;
+      const std::size_t first = text.from ? mode_of(*text.from, name) : 0;
       const std::size_t last = text.from ? first : out_.modes.size() - 1;
       for (event.from = first; event.from <= last; ++event.from) {
-        event.to = text.to ? mode_number(*text.to, name) : event.from;
+        event.to = text.to ? mode_of(*text.to, name) : event.from;
         event.guard = rates_[event.from].resolve(guard);
         if (dependence(graph_, event.guard).states.empty() || is_zero(graph_, event.guard))
           names_.refuse(text.when.place,

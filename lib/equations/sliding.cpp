@@ -17,7 +17,8 @@ class Surfaces {
 
   void add(const SurfaceText& text) {
     const Expression h = function_of(text);
-    const std::size_t below = mode_number(text.below), above = mode_number(text.above);
+    const std::size_t below = mode_number(names_, pieces_, text.below, "a surface");
+    const std::size_t above = mode_number(names_, pieces_, text.above, "a surface");
     if (below == above)
       names_.refuse(text.above.place, fmt::format("the mode {} stands on both sides of a surface", text.above.text));
     const Expression rate_below = rate_along(graph_, h, pieces_.modes[below].field);
@@ -69,15 +70,6 @@ class Surfaces {
     if (on.states.empty() || is_zero(graph_, h))
       names_.refuse(text.function.place, "the function of a surface does not depend on the motion: no state stands in it");
     return h;
-  }
-
-  std::size_t mode_number(const Text& name) const {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < pieces_.modes.size(); ++i) {
-      if (pieces_.modes[i].name == name.text) return i;
-      names.push_back(pieces_.modes[i].name);
-    }
-    names_.refuse(name.place, fmt::format("a surface names an unknown mode '{}'{}", name.text, suggestion(name.text, names)));
   }
 
   Column identity() const {
