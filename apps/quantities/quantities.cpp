@@ -68,16 +68,7 @@ class Reading {
     tables_ = problem.written->tables;
     units_ = problem.written->units;
     if (is_built_in(problem)) name_units();
-    scope_.find = [this](std::string_view name) -> std::optional<equations::Expression> {
-      const auto found = names_.find(name);
-      return found == names_.end() ? std::nullopt : std::optional(found->second);
-    };
-    scope_.table = [this](std::string_view name) -> std::optional<std::size_t> {
-      const auto found = tables_.find(name);
-      return found == tables_.end() ? std::nullopt : std::optional(found->second);
-    };
-    for (const auto& [name, expression] : names_) scope_.names.push_back(name);
-    for (const auto& [name, number] : tables_) scope_.tables.push_back(name);
+    scope_ = equations::scope_of(names_, tables_);
     scope_.refusal = [this](std::string_view name) -> std::string {
       return name == "t" && !is_forced(problem_.system) ? "the time t of an autonomous system cannot be used" : std::string();
     };

@@ -26,17 +26,7 @@ double Names::value_of(Expression e) const {
 }
 
 Scope Names::scope(bool with_time) const {
-  Scope out;
-  out.find = [this](std::string_view name) -> std::optional<Expression> {
-    const auto found = meanings.find(name);
-    return found == meanings.end() ? std::nullopt : std::optional(found->second);
-  };
-  out.table = [this](std::string_view name) -> std::optional<std::size_t> {
-    const auto found = tables.find(name);
-    return found == tables.end() ? std::nullopt : std::optional(found->second);
-  };
-  for (const auto& [name, expression] : meanings) out.names.push_back(name);
-  for (const auto& [name, number] : tables) out.tables.push_back(name);
+  Scope out = scope_of(meanings, tables);
   out.refusal = [this, with_time](std::string_view name) -> std::string {
     if (name == "t") return with_time ? std::string() : "the time t cannot be used";
     const auto kind = kinds.find(name);

@@ -461,6 +461,22 @@ const std::vector<std::string>& reserved_names() {
   return list;
 }
 
+Scope scope_of(const std::map<std::string, Expression, std::less<>>& names,
+               const std::map<std::string, std::size_t, std::less<>>& tables) {
+  Scope out;
+  out.find = [&names](std::string_view name) -> std::optional<Expression> {
+    const auto found = names.find(name);
+    return found == names.end() ? std::nullopt : std::optional(found->second);
+  };
+  out.table = [&tables](std::string_view name) -> std::optional<std::size_t> {
+    const auto found = tables.find(name);
+    return found == tables.end() ? std::nullopt : std::optional(found->second);
+  };
+  for (const auto& [name, expression] : names) out.names.push_back(name);
+  for (const auto& [name, number] : tables) out.tables.push_back(name);
+  return out;
+}
+
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(name, candidates);
   return nearest.empty() ? std::string() : fmt::format("; did you mean '{}'?", nearest);

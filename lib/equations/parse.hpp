@@ -13,6 +13,7 @@
 #include <graze/lib/equations/source.hpp>
 
 #include <functional>
+#include <map>
 #include <optional>
 
 namespace graze::equations {
@@ -45,6 +46,10 @@ struct Scope {
   /// True if name' is allowed.
   bool rates = true;
 };
+
+/// The scope of these names and tables (numbers of splines). It refers to both maps.
+Scope scope_of(const std::map<std::string, Expression, std::less<>>& names,
+               const std::map<std::string, std::size_t, std::less<>>& tables);
 
 /// The expression of the whole text. `where` completes the messages: "in the equation of v".
 Expression parse_expression(Graph& graph, const Source& source, const Text& text, const Scope& scope, std::string_view where,
