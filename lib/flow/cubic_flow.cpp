@@ -120,9 +120,9 @@ std::optional<double> first_crossing(const GapPolynomial& gap, double length, do
         }
         return std::clamp(root, s, s + H);
       }
-      if (H < too_short || (!from_barrier && a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
+      if (H < too_short || (!from_barrier && detail::touches_by_rounding(g, v, a, scale))) {
         // A maximum within rounding of the barrier: check the maximum itself, once, and continue beyond it.
-        const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
+        const double to_top = detail::time_to_top(v, a);
         const std::array<double, 6> top = gap.at<5>(s + to_top);
         if (top[0] > 0.0 || !(top[2] < 0.0)) return std::min(s + to_top, length);
         s += to_top;

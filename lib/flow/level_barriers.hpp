@@ -5,6 +5,7 @@
 #include <graze/lib/system/hybrid_system.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace graze::detail {
@@ -31,5 +32,13 @@ inline std::vector<LevelBarrier> level_barriers(const HybridSystem& system, std:
   }
   return barriers;
 }
+
+/// Whether the gap g with rate v and acceleration a has a maximum within rounding of the barrier. `scale`: of positions.
+inline bool touches_by_rounding(double g, double v, double a, double scale) {
+  return a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale;
+}
+
+/// Time to the maximum of a gap with rate v and acceleration a, to second order; 0 if it lies behind or is no maximum.
+inline double time_to_top(double v, double a) { return a < 0.0 ? std::max(0.0, -v / a) : 0.0; }
 
 }  // namespace graze::detail

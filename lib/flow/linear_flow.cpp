@@ -235,9 +235,9 @@ std::optional<double> LinearFlow::first_crossing(const Flight& flight, const det
         }
         return std::clamp(root, s, s + H);
       }
-      if (H < too_short || (!from_barrier && a < 0.0 && std::abs(g) < 4e-16 * scale && v * v < -a * 1e-14 * scale)) {
+      if (H < too_short || (!from_barrier && detail::touches_by_rounding(g, v, a, scale))) {
         // A maximum within rounding of the barrier: check the maximum itself, once, and continue beyond it.
-        const double to_top = a < 0.0 ? std::max(0.0, -v / a) : 0.0;
+        const double to_top = detail::time_to_top(v, a);
         const Point top = evaluate(s + to_top);
         if (gap(top) > 0.0 || !(barrier.sign * top.a < 0.0)) return std::min(s + to_top, s_end);
         s += to_top;
