@@ -21,11 +21,11 @@ namespace {
 
 /// Limits of the quick Newton iteration. Measured on the systems of tests/floquet/search.cpp: of the starts from which Newton
 /// with 40 iterations and 12 halvings converges, these limits lose up to two in five, at a fifth of the cost.
-constexpr int scout_iterations = 20, scout_halvings = 3;
+constexpr int quick_iterations = 20, quick_halvings = 3;
 /// Newton is hopeless if it has not halved its residual within this many iterations.
-constexpr std::size_t scout_window = 4;
+constexpr std::size_t quick_window = 4;
 /// The quick iteration only has to distinguish orbits; shoot() polishes the new ones to the accuracy requested.
-constexpr double scout_tolerance = 1e-8, scout_residual = 1e-7;
+constexpr double quick_tolerance = 1e-8, quick_residual = 1e-7;
 /// An iterate this close to a known orbit (relative to 1 + |x|) has found it again. Orbits closer together exist only within
 /// about 1e-12 of a bifurcation.
 constexpr double same_place = 1e-6;
@@ -33,8 +33,8 @@ constexpr double same_place = 1e-6;
 /// phase, the return map bends so sharply that hardly any start converges; half a period away the mass is in free flight.
 constexpr std::array section_phases = {0.0, 0.5};
 
-FlowOptions scouting(FlowOptions options, std::size_t max_steps) {
-  options.tolerance = std::max(options.tolerance, scout_tolerance);
+FlowOptions quick_flow(FlowOptions options, std::size_t max_steps) {
+  options.tolerance = std::max(options.tolerance, quick_tolerance);
   if (max_steps > 0) options.max_steps = max_steps;
   return options;
 }
@@ -47,7 +47,7 @@ class Search {
         options_(options), T_(forcing_period(system, p)) {
     options_.shooting.reduce_period = true;
     options_.shooting.nodes = 0;
-    const FlowOptions flow = scouting(options.shooting.flow, box.max_steps * static_cast<std::size_t>(period));
+    const FlowOptions flow = quick_flow(options.shooting.flow, box.max_steps * static_cast<std::size_t>(period));
     for (const double phase : section_phases)
       sections_.push_back({phase, {system, p, period, 1, {}, flow, phase}, {system, p, period, period, {}, flow, phase}, {}});
   }
@@ -147,43 +147,42 @@ class Search {
   }
 
   /// Newton with few halvings that gives up as soon as it is hopeless; true if it converges.
-  bool scout(ShootingEquations& equations, Vector& u) {
+  bool try_newton(ShootingEquations& equations, Vector& u) {
     const TransitionOptions tangent{.sensitivity = Sensitivity::state, .max_events = most_events};
     const Eigen::Index n = lower_.size();
-    if (!equations.evaluate(u, tangent)) return false;
-    const auto relative = [](const Vector& residual, const Vector& at) {
-      return residual.lpNorm<Eigen::Infinity>() / (1.0 + at.lpNorm<Eigen::Infinity>());
-    };
-    equations.residual(u, residual_);
-    std::vector<double> history{relative(residual_, u)};
-    while (history.back() > scout_residual) {
-      if (static_cast<int>(history.size()) > std::min(scout_iterations, options_.shooting.max_iterations)) return false;
-      if (history.size() > scout_window && history.back() > 0.5 * history[history.size() - 1 - scout_window]) return false;
-      equations.jacobian(jacobian_);
-      Vector step = jacobian_.partialPivLu().solve(-residual_);
-      if (!step.allFinite()) return false;
-      const double length = step.lpNorm<Eigen::Infinity>();
-      double factor = std::min(1.0, options_.shooting.max_step * (1.0 + u.lpNorm<Eigen::Infinity>()) / length);
-      Vector trial;
-      int halving = 0;
-      for (;; factor *= 0.5) {
-        trial = u + factor * step;
-        const bool inside = (trial.head(n).array() >= lower_.array()).all() && (trial.head(n).array() <= upper_.array()).all();
-        if (inside && equations.evaluate(trial, tangent)) {
-          equations.residual(trial, residual_);
-          if (relative(residual_, trial) < history.back()) break;
-        }
-        if (++halving > std::min(scout_halvings, options_.shooting.max_halvings)) return false;
+    const ShootingOptions& shooting = options_.shooting;
+    DampedNewton newton({.tolerance = quick_residual,
+                         .acceptance = quick_residual,
+                         .rounding = quick_residual,
+                         .max_iterations = std::min(quick_iterations, shooting.max_iterations),
+                         .max_halvings = std::min(quick_halvings, shooting.max_halvings),
+                         .max_step = shooting.max_step});
+    Vector trial = u, step = Vector::Zero(u.size());
+    while (newton.open()) {
+      const bool inside = (trial.head(n).array() >= lower_.array()).all() && (trial.head(n).array() <= upper_.array()).all();
+      std::optional<double> reached;
+      if ((inside || !newton.begun()) && equations.evaluate(trial, tangent)) {
+        equations.residual(trial, residual_);
+        reached = residual_.lpNorm<Eigen::Infinity>() / (1.0 + trial.lpNorm<Eigen::Infinity>());
       }
-      u = trial;
-      history.push_back(relative(residual_, u));
+      if (newton.take(reached)) {
+        u = trial;
+        const std::vector<double>& history = newton.report().residual_history;
+        if (history.back() <= quick_residual) return true;
+        const bool hopeless = history.size() > quick_window && history.back() > 0.5 * history[history.size() - 1 - quick_window];
+        if (hopeless || !newton.open()) return false;
+        equations.jacobian(jacobian_);
+        step = jacobian_.partialPivLu().solve(-residual_);
+        newton.begin_step(step.allFinite() ? step.lpNorm<Eigen::Infinity>() : std::nan(""), 1.0 + u.lpNorm<Eigen::Infinity>());
+      }
+      trial = u + newton.factor() * step;
     }
-    return true;
+    return false;
   }
 
   /// Polishes a converged start and stores the orbit if it is new.
   void add_if_new(Section& section, ShootingEquations& equations, Vector& u) {
-    if (!scout(equations, u)) return;
+    if (!try_newton(equations, u)) return;
     const Eigen::Index n = lower_.size();
     const double close = same_place * (1.0 + u.head(n).lpNorm<Eigen::Infinity>());
     const auto found_again = [&](const Vector& x) { return (x - u.head(n)).lpNorm<Eigen::Infinity>() < close; };
