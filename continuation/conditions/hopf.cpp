@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/conditions/hopf.hpp>
 #include <graze/lib/numerics/decompositions.hpp>
+#include <graze/lib/numerics/newton.hpp>
 
 #include <Eigen/LU>
 
@@ -21,21 +22,21 @@ class Equilibria {
 
   /// The eigenvalue nearest to i omega at the equilibrium for this value; NaN: there is none.
   std::complex<double> eigenvalue(double value, double omega) {
-    constexpr int most_steps = 50;
     constexpr double reached = 1e-13;
     p_[parameter_] = value;
-    Vector f(x_.size());
+    Vector f(x_.size()), step;
     Matrix J(x_.size(), x_.size());
-    bool found = false;
-    for (int step = 0; step < most_steps && !found; ++step) {
-      mode_.field(0.0, x_, p_, f);
-      mode_.field_dx(0.0, x_, p_, J);
-      const Vector change = J.partialPivLu().solve(f);
-      if (!change.allFinite()) break;
-      x_ -= change;
-      found = change.lpNorm<Eigen::Infinity>() <= reached * (1.0 + x_.lpNorm<Eigen::Infinity>());
-    }
-    if (!found) return std::numeric_limits<double>::quiet_NaN();
+    const auto linearise = [&](const Vector& x) -> std::optional<NewtonIterate> {
+      mode_.field(0.0, x, p_, f);
+      mode_.field_dx(0.0, x, p_, J);
+      step = -J.partialPivLu().solve(f);
+      // The field may have any unit, so that the step takes the place of the residual.
+      const double length = step.lpNorm<Eigen::Infinity>() / (1.0 + (x + step).lpNorm<Eigen::Infinity>());
+      return NewtonIterate{.residual = length, .step = step, .length = length};
+    };
+    const NewtonRule rule{.max_iterations = 50, .acceptance = reached, .shortest = reached};
+    if (!newton_to_rounding(x_, linearise, rule).converged()) return std::numeric_limits<double>::quiet_NaN();
+    x_ += step;
     mode_.field_dx(0.0, x_, p_, J);
     const Eigen::VectorXcd all = eigenvalues(J);
     const std::complex<double> wanted(0.0, omega);
@@ -82,6 +83,7 @@ std::optional<double> locate_hopf(OrbitProblem& problem, const Vector& u) {
   for (int j = 0; j < problem.nodes(); ++j) mean += u.segment(j * problem.states(), problem.states()) / problem.nodes();
   const double omega = 2.0 * std::numbers::pi / duration;
   Equilibria equilibria(system.modes[*mode], p, problem.parameter(), mean);
+  // By secants, because the derivative of the eigenvalue is not at hand.
   constexpr int most_steps = 30;
   constexpr double first_step = 1e-6, precision = 1e-14, farthest = 0.1, other_frequency = 0.1;
   double before = begin, value = begin + first_step * problem.scale();

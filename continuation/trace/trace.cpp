@@ -55,6 +55,7 @@ bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vecto
 
 }  // namespace
 
+// A loop of its own: it ends at the tolerance, and saves the evaluations by which newton_to_rounding gets to rounding.
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options) {
   NewtonReport report;
   const Vector weighted = weights_of(problem).cwiseProduct(direction);
