@@ -30,6 +30,7 @@ class BranchFollower {
  public:
   /// `low`, `high`: the range of the parameter.
   BranchFollower(const HybridSystem& system, const ContinuationOptions& options, double low, double high);
+  BranchFollower(HybridSystem&&, const ContinuationOptions&, double, double) = delete;
 
   /// Follows the branch from `start` and writes it to `branch`, whose parent, period and parameters are set. Special points get
   /// no labels here. Returns the grazing on which the branch ended, if any.

@@ -36,6 +36,8 @@ class SignatureProblem : public BranchProblem {
   /// SignatureEquations does.
   SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                    std::size_t parameter, double scale, const FlowOptions& options = {});
+  SignatureProblem(HybridSystem&&, const Vector&, int, std::vector<std::size_t>, std::size_t, double,
+                   const FlowOptions& = {}) = delete;
 
   Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
   ZeroProblem zero_problem() override;

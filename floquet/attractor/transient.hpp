@@ -35,6 +35,7 @@ inline bool cancelled(const AttractorOptions& options) { return options.lyapunov
 
 class Transient {
  public:
+  Transient(HybridSystem&&, const Vector&, const Vector&, const AttractorOptions&) = delete;
   Transient(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
       : system_(system), p_(p), options_(options), watch_(options.recurrence) {
     if (options.transient < 0)

@@ -36,6 +36,7 @@ class RowRunner {
  public:
   /// The caller keeps the system alive.
   RowRunner(const HybridSystem& system, RowRunnerOptions options);
+  RowRunner(HybridSystem&&, RowRunnerOptions) = delete;
   RowRunner(const RowRunner&) = delete;
   RowRunner& operator=(const RowRunner&) = delete;
 

@@ -16,6 +16,7 @@ class SweepChain : public RowChain {
   /// References to all but `direction` are kept.
   SweepChain(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
              SweepDirection direction);
+  SweepChain(HybridSystem&&, const Vector&, const Vector&, const SweepOptions&, SweepDirection) = delete;
 
   double value(std::size_t number) const { return values_[number]; }
 

@@ -21,6 +21,8 @@ class ShootingEquations {
   /// phase jumps.
   ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes = 0,
                     const std::vector<std::size_t>& free = {}, const FlowOptions& options = {}, double section_phase = 0.0);
+  ShootingEquations(HybridSystem&&, const Vector&, int, int = 0, const std::vector<std::size_t>& = {}, const FlowOptions& = {},
+                    double = 0.0) = delete;
 
   int states() const { return n_; }
   int nodes() const { return nodes_; }
