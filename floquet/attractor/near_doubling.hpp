@@ -14,11 +14,6 @@
 
 namespace graze {
 
-inline Vector weighted(double a, const Vector& x, double b, const Vector& y) { return a * x + b * y; }
-inline StatePair weighted(double a, const StatePair& x, double b, const StatePair& y) {
-  return {a * x[0] + b * y[0], a * x[1] + b * y[1]};
-}
-
 /// The midpoints of corresponding states of the two halves, if these are close (`near`: relative to 1 + |x|); otherwise empty.
 template <class State> std::vector<State> between_halves(const std::vector<State>& states, double near) {
   const std::size_t half = states.size() / 2;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/lane_orbits.hpp>
+#include <graze/floquet/orbit/least_period.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/numerics/cyclic_blocks.hpp>
 #include <graze/lib/numerics/log_product.hpp>
@@ -29,8 +30,7 @@ Square product(const Square& A, const Square& B) {
 double growth(const PeriodResult* periods, std::size_t n) {
   Square M = {1.0, 0.0, 0.0, 1.0};
   for (std::size_t k = 0; k < n; ++k) M = product(periods[k].Phi, M);
-  const double half = 0.5 * (M[0] + M[3]), det = M[0] * M[3] - M[1] * M[2], discriminant = half * half - det;
-  return discriminant < 0.0 ? std::sqrt(det) : std::abs(half) + std::sqrt(discriminant);
+  return std::abs(eigenvalue_pair(0.5 * (M[0] + M[3]), M[0] * M[3] - M[1] * M[2])[0]);
 }
 
 /// Work space for the equations of a step, shared by all steps of one guess.
@@ -39,7 +39,8 @@ struct StepEquations {
   std::vector<Square> Phi;
 };
 
-/// The rule of shooting on one guess, with evaluations done by the caller.
+/// The rule of shoot(), which also ends where the residual is rounding: one evaluation less for most orbits. (In shoot() a
+/// further step may change the last digits.)
 DampedNewtonRule rule_in_lanes(const LanePatience& patience) {
   DampedNewtonRule rule = newton_rule({});
   rule.max_halvings = patience.max_halvings;
@@ -102,15 +103,7 @@ class Iteration {
       for (const double entry : M) blur = std::max(blur, std::abs(entry));
     }
     const double log_det = determinant.value();
-    const double det = std::exp(std::isfinite(log_det) ? log_det : liouville), half = 0.5 * (M[0] + M[3]);
-    const double discriminant = half * half - det;
-    if (discriminant < 0.0) {
-      const double imaginary = std::sqrt(-discriminant);
-      out.multipliers = {std::complex<double>(half, imaginary), std::complex<double>(half, -imaginary)};
-    } else {
-      const double larger = half + std::copysign(std::sqrt(discriminant), half);
-      out.multipliers = {larger, larger == 0.0 ? 0.0 : det / larger};
-    }
+    out.multipliers = eigenvalue_pair(0.5 * (M[0] + M[3]), std::exp(std::isfinite(log_det) ? log_det : liouville));
     constexpr double rounding = 1e-15, good = 1e-10, near_one = 1e-6;
     const double modulus = std::abs(out.multipliers[0]), unsure = std::max(near_one, blur * rounding / near_one);
     out.delicate = out.delicate || !std::isfinite(modulus) || !std::isfinite(log_det) || blur * rounding > good * modulus ||
@@ -150,29 +143,6 @@ MotionTask<LaneOrbit> newton(TaskSlot& lane, std::vector<Pair> states, LanePatie
   co_return iteration.orbit();
 }
 
-/// Divisors of the period after which the orbit nearly closes, as in shoot().
-std::vector<std::size_t> shorter_periods(const LaneOrbit& orbit) {
-  constexpr double nearly = 1e-5;
-  std::vector<std::size_t> out;
-  const std::size_t n = orbit.states.size();
-  if (!orbit.converged) return out;
-  const double scale = 1.0 + state_size(orbit.states[0]);
-  for (std::size_t d = 1; d <= n / 2; ++d)
-    if (n % d == 0 && state_distance(orbit.states[d], orbit.states[0]) <= nearly * scale) out.push_back(d);
-  return out;
-}
-
-/// Whether Newton's method found the same orbit with the shorter period; see shoot().
-bool same(const LaneOrbit& shorter, const LaneOrbit& orbit) {
-  if (!shorter.converged) return false;
-  const std::size_t times = orbit.states.size() / shorter.states.size();
-  const double scale = 1.0 + state_size(orbit.states[0]);
-  double nearest = 1.0;
-  for (const auto& mu : shorter.multipliers)
-    nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, static_cast<double>(times))));
-  return state_distance(shorter.states[0], orbit.states[0]) < std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
-}
-
 MotionTask<> shoot_to(TaskSlot& lane, const LaneGuess& guess, LanePatience patience, LaneOrbit& orbit) {
   lane.set_parameters(guess.parameters);
   orbit = co_await shoot_in_lanes(lane, guess.states, patience);
@@ -189,12 +159,14 @@ LaneGuess guess_of(std::size_t parameters, const std::vector<Vector>& states) {
 MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<double, 2>> states, LanePatience patience) {
   LaneOrbit orbit = co_await newton(lane, std::move(states), patience);
   const LanePatience any_growth{.max_halvings = patience.max_halvings};
-  for (const std::size_t shorter : shorter_periods(orbit)) {
-    const Pair &first = orbit.states[0], &later = orbit.states[shorter];
-    std::vector<Pair> again(orbit.states.begin(), orbit.states.begin() + static_cast<std::ptrdiff_t>(shorter));
-    again[0] = {0.5 * (first[0] + later[0]), 0.5 * (first[1] + later[1])};
-    LaneOrbit found = co_await newton(lane, std::move(again), any_growth);
-    if (!same(found, orbit)) continue;
+  if (!orbit.converged) co_return orbit;
+  for (const std::size_t shorter : shorter_periods(orbit.states)) {
+    std::vector<Pair> guess = guess_of_shorter(orbit.states, shorter);
+    LaneOrbit found = co_await newton(lane, std::move(guess), any_growth);
+    if (!found.converged) continue;
+    const double distance = state_distance(found.states[0], orbit.states[0]);
+    if (!is_repeated(found.multipliers, orbit.states.size() / found.states.size(), distance, state_size(orbit.states[0])))
+      continue;
     orbit = std::move(found);
     break;
   }

@@ -149,16 +149,7 @@ void block_eigenvalues(const TriangularForm<Square>& form, Eigen::Index first, E
   if (size == 1) {
     out.emplace_back(block.det);
   } else if (size == 2) {
-    const double half_trace = 0.5 * block.product.trace(), discriminant = block.discriminant();
-    if (discriminant < 0.0) {
-      const double imaginary = std::sqrt(-discriminant);
-      out.emplace_back(half_trace, imaginary);
-      out.emplace_back(half_trace, -imaginary);
-    } else {
-      const double larger = half_trace + std::copysign(std::sqrt(discriminant), half_trace);
-      out.emplace_back(larger);
-      out.emplace_back(larger == 0.0 ? 0.0 : block.det / larger);
-    }
+    for (const std::complex<double>& one : eigenvalue_pair(0.5 * block.product.trace(), block.det)) out.push_back(one);
   } else {
     const Eigen::VectorXcd values = graze::eigenvalues(block.product);
     out.insert(out.end(), values.begin(), values.end());
@@ -236,6 +227,16 @@ std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>&
   Determinants dets = determinants(factors, log_dets);
   dets.deficiency = std::min(std::max<Eigen::Index>(dets.deficiency, lost), factors.front().rows());
   return factors.front().rows() == 2 ? eigenvalues<Eigen::Matrix2d>(factors, dets) : eigenvalues<Matrix>(factors, dets);
+}
+
+std::array<std::complex<double>, 2> eigenvalue_pair(double half_trace, double det) {
+  const double discriminant = half_trace * half_trace - det;
+  if (discriminant < 0.0) {
+    const double imaginary = std::sqrt(-discriminant);
+    return {std::complex<double>(half_trace, imaginary), std::complex<double>(half_trace, -imaginary)};
+  }
+  const double larger = half_trace + std::copysign(std::sqrt(discriminant), half_trace);
+  return {larger, larger == 0.0 ? 0.0 : det / larger};
 }
 
 int FloquetMultipliers::unstable() const {

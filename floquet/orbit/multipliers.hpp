@@ -13,6 +13,7 @@
 #include <graze/floquet/orbit/kept_state.hpp>
 #include <graze/lib/numerics/vector.hpp>
 
+#include <array>
 #include <complex>
 #include <vector>
 
@@ -58,6 +59,10 @@ FloquetMultipliers multipliers(const MonodromyMatrix& whole, double duration);
 /// MonodromyMatrix.
 std::vector<std::complex<double>> product_eigenvalues(const std::vector<Matrix>& factors,
                                                       const std::vector<double>& log_dets = {}, int lost = 0);
+
+/// Both eigenvalues of a 2 x 2 matrix with half of this trace and this determinant, by decreasing modulus, the conjugate with
+/// positive imaginary part first. The smaller one has the relative accuracy of the determinant.
+std::array<std::complex<double>, 2> eigenvalue_pair(double half_trace, double det);
 
 /// The states that keep their values while other ones are held: their row of each partial product is that of the identity. A map
 /// of full rank holds nothing.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/least_period.hpp>
 #include <graze/floquet/orbit/returns.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
 
@@ -63,14 +64,18 @@ PeriodicOrbit shoot_returns(Propagator& propagator, const std::vector<Vector>& s
     propagator.field(*mode, 0.0, node, field);
     if (is_at_equilibrium(field, orbit.duration, node)) return {};
   }
-  for (std::size_t d = 1; options.reduce_period && d <= found.size() / 2; ++d) {
-    constexpr double may_close = 1e-5, same_duration = 1e-6;
-    if (found.size() % d != 0 || state_distance(found[d], found[0]) > may_close * (1.0 + state_size(found[0]))) continue;
-    PeriodicOrbit shorter = shoot_returns(propagator, {found.begin(), found.begin() + static_cast<std::ptrdiff_t>(d)}, options);
-    const std::size_t times = found.size() / d;
-    if (shorter.converged() &&
-        std::abs(static_cast<double>(times) * shorter.duration - orbit.duration) < same_duration * orbit.duration)
-      return shorter;
+  if (!options.reduce_period) return orbit;
+  for (const std::size_t shorter : shorter_periods(found)) {
+    // The states themselves: midway between two of them may not be on the guard.
+    const std::vector<Vector> guess(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(shorter));
+    PeriodicOrbit candidate = shoot_returns(propagator, guess, options);
+    const std::vector<Vector> again = states_at_returns(system, candidate);
+    if (!candidate.converged() || again.empty()) continue;
+    // The shorter orbit may begin at another return. Times along the orbit are free, and its own multiplier 1 is no matter.
+    std::vector<std::complex<double>> across = candidate.multipliers.values;
+    across.resize(across.size() - std::min<std::size_t>(across.size(), static_cast<std::size_t>(candidate.multipliers.trivial)));
+    const double distance = nearest_distance(found, again.front());
+    if (is_repeated(across, found.size() / again.size(), distance, state_size(again.front()))) return candidate;
   }
   return orbit;
 }

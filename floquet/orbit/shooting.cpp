@@ -2,6 +2,7 @@
 #include <graze/floquet/orbit/shooting.hpp>
 
 #include <graze/floquet/orbit/kept_state.hpp>
+#include <graze/floquet/orbit/least_period.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
@@ -242,21 +243,16 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
   NewtonReport report = solve(equations, u, options);
   PeriodicOrbit orbit = describe_orbit(equations, u, std::move(report));
   if (orbit.converged() && options.reduce_period && period > 1) {
-    for (int divisor = 1; divisor <= period / 2; ++divisor) {
-      if (period % divisor != 0) continue;
-      const double scale = 1.0 + orbit.state.lpNorm<Eigen::Infinity>();
-      const Vector& later = orbit.states[static_cast<std::size_t>(divisor)];
-      // Near a period doubling the doubled orbit passes close to its own start without closing there: only Newton decides.
-      if ((later - orbit.state).lpNorm<Eigen::Infinity>() > 1e-5 * scale) continue;
-      ShootingOptions shorter = options;
-      if (options.nodes % divisor != 0) shorter.nodes = 0;
-      PeriodicOrbit candidate = shoot(system, p, Vector(0.5 * (later + orbit.state)), divisor, shorter);
-      // Newton's error is rounding divided by the distance of the multipliers from 1: near a bifurcation it is not small.
-      double nearest = 1.0;
-      for (const auto& mu : candidate.multipliers.values)
-        nearest = std::min(nearest, std::abs(1.0 - std::pow(mu, period / divisor)));
-      const double same = std::clamp(1e-12 / nearest, 1e-10, 1e-6) * scale;
-      if (candidate.converged() && (candidate.state - orbit.state).lpNorm<Eigen::Infinity>() < same) return candidate;
+    for (const std::size_t shorter : shorter_periods(orbit.states)) {
+      const int divisor = static_cast<int>(shorter);
+      ShootingOptions with_fewer_nodes = options;
+      if (options.nodes % divisor != 0) with_fewer_nodes.nodes = 0;
+      // One state, as the nodes may be other ones.
+      PeriodicOrbit found = shoot(system, p, guess_of_shorter(orbit.states, shorter).front(), divisor, with_fewer_nodes);
+      if (!found.converged()) continue;
+      const auto times = static_cast<std::size_t>(period / found.period);
+      if (is_repeated(found.multipliers.values, times, state_distance(found.state, orbit.state), state_size(orbit.state)))
+        return found;
     }
   }
   if (orbit.converged() && options.finite_differences)
