@@ -46,35 +46,26 @@ constexpr int quick_halvings = 6;
 /// Number of returns that look_for_orbit tries.
 constexpr std::size_t most_tries = 3;
 
-/// A motion near an orbit, carried until it is known whether it approaches the orbit.
-template <class Orbit> class NearOrbit {
+/// A motion near an orbit with these states, carried until it is known whether it approaches the orbit.
+template <class State> class NearOrbit {
  public:
-  NearOrbit(const Orbit& orbit, const Vector& x, double slowest, std::size_t period)
-      : orbit_(&orbit), at_(x), watch_(nearest_distance(orbit.states, x), slowest, static_cast<int>(period)) {}
+  NearOrbit(const std::vector<State>& orbit, const Vector& x, double slowest)
+      : orbit_(orbit), at_(x), watch_(nearest_distance(orbit, x), slowest, static_cast<int>(orbit.size())) {}
   bool open() const { return watch_.open(); }
   const Vector& state() const { return at_; }
   void see(Termination end, const Vector& state) {
     if (end != Termination::time) return watch_.stop();
     at_ = state;
-    if (++periods_ % watch_.periods() == 0) watch_.see(nearest_distance(orbit_->states, at_));
+    if (++periods_ % watch_.periods() == 0) watch_.see(nearest_distance(orbit_, at_));
   }
   bool comes_closer() const { return watch_.comes_closer(); }
 
  private:
-  const Orbit* orbit_;
+  const std::vector<State>& orbit_;
   Vector at_;
   DistanceWatch watch_;
   int periods_ = 0;
 };
-
-const auto never = [] { return false; };
-
-/// Whether the motion from x approaches the orbit.
-bool approaches(Propagator& propagator, const PeriodicOrbit& orbit, const Vector& x) {
-  NearOrbit motion(orbit, x, std::abs(orbit.multipliers.values.front()), static_cast<std::size_t>(orbit.period));
-  carry_watched(propagator, motion, never);
-  return motion.comes_closer();
-}
 
 /// A motion of a conservative system approaches no orbit: it is on the orbit, up to rounding, or it is not.
 bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
@@ -98,55 +89,11 @@ double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
   return spectral_radius(growth);
 }
 
-/// The stable orbit near these states, with their number of periods or a divisor of it.
-std::optional<PeriodicOrbit> stable_orbit_of(Propagator& propagator, const std::vector<Vector>& states) {
-  ShootingOptions shooting;
-  shooting.flow = propagator.options();
-  shooting.max_halvings = quick_halvings;
-  const HybridSystem& system = propagator.system();
-  const Vector& p = propagator.parameters();
-  const auto shoot_from = [&](const std::vector<Vector>& guess) {
-    if (!is_forced(system)) return at_returns(system, shoot_returns(propagator, guess, shooting), guess.front());
-    return shoot(system, p, guess, static_cast<int>(guess.size()), shooting);
-  };
-  const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
-    return std::all_of(guess.begin(), guess.end(), [&](const Vector& x) { return mode_at(system, 0.0, x, p).has_value(); });
-  };
-  PeriodicOrbit orbit = shoot_from(states);
-  if (!orbit.converged())
-    if (const auto half = between_halves(states, near_halves);
-        !half.empty() && in_front_of_barriers(half) && growth_along(propagator, half) <= growth_at_doubling)
-      orbit = shoot_from(half);
-  if (orbit.converged() && orbit.multipliers.valid &&
-      has_doubled(orbit.states.size(), orbit.multipliers.values.front(), states.size())) {
-    const double mu = orbit.multipliers.values.front().real();
-    const std::size_t three_times = 3 * orbit.states.size() + 1;
-    const std::vector<Vector> motion = stroboscopic_states(propagator, states.front(), three_times);
-    if (motion.size() == three_times)
-      if (const auto doubled = doubled_states(orbit.states, mu, motion); !doubled.empty() && in_front_of_barriers(doubled))
-        orbit = shoot_from(doubled);
-  }
-  const double scale = 1.0 + state_size(states.front());
-  const bool near = orbit.converged() && nearest_distance(orbit.states, states.front()) < 2.0 * worth_trying * scale;
-  if (near && (orbit.stable() || orbit.neutral()) && orbit.admissible == Admissibility::admissible) return orbit;
-  return std::nullopt;
-}
-
-/// The same, if the motion through the states approaches the orbit and was not seen to pass it.
-std::optional<PeriodicOrbit> stable_orbit_near(Propagator& propagator, const std::vector<Vector>& states,
-                                               RefusedOrbits& refused) {
-  auto orbit = stable_orbit_of(propagator, states);
-  if (!orbit || refused.knows(orbit->states, states.front())) return std::nullopt;
-  if (orbit->conservative ? is_on(*orbit, states.front()) : approaches(propagator, *orbit, states.front())) return orbit;
-  refused.add(orbit->states, states.front());
-  return std::nullopt;
-}
-
 /// Longer returns are mostly chance, unless the motion has settled: they must be closer by this factor.
 constexpr double settled = 0.05;
 
 /// The periods after which the states return to the first one, closest return first.
-template <class State> std::vector<int> returns_of(const std::vector<State>& states, double nearness, int max_period) {
+std::vector<int> returns_of(const std::vector<Vector>& states, double nearness, int max_period) {
   constexpr double alike = 1e-10;  // closer returns count as equal: the shortest comes first
   const double scale = 1.0 + state_size(states.front());
   std::vector<std::pair<double, int>> found;
@@ -198,13 +145,21 @@ std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector&
 
 namespace {
 
-/// Whether an orbit found in lanes may be the one on which the motion at `state` is settling.
+/// Whether the orbit to which Newton's method converged may be the one on which the motion at `state` is settling. `delicate`:
+/// the lanes leave it to the Propagator.
 enum class Verdict { no, delicate, yes };
+
+template <class Orbit> bool is_near(const Orbit& orbit, const Vector& state) {
+  return nearest_distance(orbit.states, state) < 2.0 * worth_trying * (1.0 + state_size(state));
+}
 Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
-  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
-  if (!orbit.converged || !(nearest_distance(orbit.states, state) < 2.0 * worth_trying * scale)) return Verdict::no;
+  if (!orbit.converged || !is_near(orbit, state)) return Verdict::no;
   if (orbit.delicate) return Verdict::delicate;
   return orbit.stable() ? Verdict::yes : Verdict::no;
+}
+Verdict verdict(const PeriodicOrbit& orbit, const Vector& state) {
+  const bool holds = orbit.converged() && (orbit.stable() || orbit.neutral()) && orbit.admissible == Admissibility::admissible;
+  return holds && is_near(orbit, state) ? Verdict::yes : Verdict::no;
 }
 
 StableOrbit stable_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
@@ -217,56 +172,174 @@ StableOrbit stable_orbit(const HybridSystem& system, const Vector& p, const Lane
   return orbit;
 }
 
-}  // namespace
-
-MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                                 const LaneOrbit& orbit, const Vector& state) {
-  if (verdict(orbit, state) != Verdict::yes) co_return std::nullopt;
-  NearOrbit motion(orbit, state, std::abs(orbit.multipliers.front()), orbit.states.size());
-  co_await carry_watched(lane, motion, never);
-  if (!motion.comes_closer()) co_return std::nullopt;
-  co_return stable_orbit(system, p, orbit);
+std::vector<Vector> vectors_of(const std::vector<StatePair>& pairs) {
+  std::vector<Vector> states;
+  std::transform(pairs.begin(), pairs.end(), std::back_inserter(states), vector_of);
+  return states;
 }
 
-namespace {
-
-void write(const Vector& from, Vector& to) { to = from; }
-void write(const Vector& from, StatePair& to) { to = pair_of(from); }
-
 /// The states of a motion after 0, 1, ... `periods` periods; fewer if it ends.
-template <class State> MotionTask<std::vector<State>> next_states(TaskSlot& lane, const Vector& state, int periods) {
-  std::vector<State> states(1);
-  write(state, states.front());
+MotionTask<std::vector<Vector>> next_states(TaskSlot& lane, const Vector& state, int periods) {
+  std::vector<Vector> states{state};
   const CarriedPeriods carried = co_await lane.carry(state, static_cast<std::size_t>(std::max(0, periods)));
   Vector end(state.size());
   for (std::size_t k = 0; k < carried.size() && carried.termination(k) == Termination::time; ++k) {
     carried.state(k, end);
-    write(end, states.emplace_back());
+    states.push_back(end);
   }
   co_return states;
 }
 
-/// The orbit to which Newton's method converges from the states around a return, or from a guess next to a period doubling.
-MotionTask<LaneOrbit> shoot_next_to_doubling(TaskSlot& lane, const std::vector<StatePair>& around) {
-  const LanePatience patience{max_growth_of_return, quick_halvings};
-  LaneOrbit orbit = co_await shoot_in_lanes(lane, around, patience);
-  if (!orbit.converged && !orbit.given_up)
-    if (std::vector<StatePair> half = between_halves(around, near_halves); !half.empty())
-      orbit = co_await shoot_in_lanes(lane, std::move(half), {growth_at_doubling, quick_halvings});
-  if (const auto mu = orbit.multipliers[0]; has_doubled(orbit.states.size(), mu, around.size())) {
-    const Vector begin = vector_of(around.front());
-    const int three_times = 3 * static_cast<int>(orbit.states.size());
-    const std::vector<StatePair> motion = co_await next_states<StatePair>(lane, begin, three_times);
-    if (static_cast<int>(motion.size()) <= three_times) co_return orbit;
-    std::vector<StatePair> doubled = doubled_states(orbit.states, mu.real(), motion);
-    if (!doubled.empty()) orbit = co_await shoot_in_lanes(lane, std::move(doubled), patience);
+const auto never = [] { return false; };
+
+/// Newton's method and motions by a Propagator, for recognition. Its tasks never wait.
+class ByPropagator {
+ public:
+  using Orbit = PeriodicOrbit;
+
+  explicit ByPropagator(Propagator& propagator) : propagator_(propagator) {
+    shooting_.flow = propagator.options();
+    shooting_.max_halvings = quick_halvings;
   }
-  co_return orbit;
+  const HybridSystem& system() const { return propagator_.system(); }
+  const Vector& parameters() const { return propagator_.parameters(); }
+
+  /// Result of Newton's method from a guess. It is not tried if the tangent along the guess grows by more than most_growth.
+  struct Attempt {
+    Orbit orbit;
+    bool given_up = false;
+    bool converged() const { return orbit.converged(); }
+    std::vector<Vector> states() const { return orbit.states; }
+    /// Of the first multiplier; NaN if it is unknown.
+    std::complex<double> multiplier() const {
+      return orbit.multipliers.valid ? orbit.multipliers.values.front() : std::numeric_limits<double>::quiet_NaN();
+    }
+  };
+  MotionTask<Attempt> shoot_from(const std::vector<Vector>& guess, double most_growth) {
+    Attempt attempt;
+    attempt.given_up = std::isfinite(most_growth) && growth_along(propagator_, guess) > most_growth;
+    if (attempt.given_up) co_return attempt;
+    if (is_forced(system()))
+      attempt.orbit = shoot(system(), parameters(), guess, static_cast<int>(guess.size()), shooting_);
+    else
+      attempt.orbit = at_returns(system(), shoot_returns(propagator_, guess, shooting_), guess.front());
+    co_return attempt;
+  }
+  MotionTask<std::vector<Vector>> motion(const Vector& state, int periods) {
+    co_return stroboscopic_states(propagator_, state, static_cast<std::size_t>(periods) + 1);
+  }
+  template <class Watch> MotionTask<bool> carry(Watch& watch) { co_return carry_watched(propagator_, watch, never); }
+
+ private:
+  Propagator& propagator_;
+  ShootingOptions shooting_;
+};
+
+/// The same in lanes, at the parameters p of the slot.
+class InLanes {
+ public:
+  using Orbit = LaneOrbit;
+
+  InLanes(TaskSlot& lane, const HybridSystem& system, const Vector& p) : lane_(lane), system_(system), p_(p) {}
+  const HybridSystem& system() const { return system_; }
+  const Vector& parameters() const { return p_; }
+
+  struct Attempt {
+    Orbit orbit;
+    bool given_up = false;
+    bool converged() const { return orbit.converged; }
+    std::vector<Vector> states() const { return vectors_of(orbit.states); }
+    std::complex<double> multiplier() const { return orbit.multipliers[0]; }
+  };
+  MotionTask<Attempt> shoot_from(const std::vector<Vector>& guess, double most_growth) {
+    std::vector<StatePair> pairs;
+    std::transform(guess.begin(), guess.end(), std::back_inserter(pairs), pair_of);
+    const LanePatience patience{most_growth, quick_halvings};
+    Attempt attempt;
+    attempt.orbit = co_await shoot_in_lanes(lane_, std::move(pairs), patience);
+    attempt.given_up = attempt.orbit.given_up;
+    co_return attempt;
+  }
+  MotionTask<std::vector<Vector>> motion(const Vector& state, int periods) { return next_states(lane_, state, periods); }
+  template <class Watch> MotionTask<bool> carry(Watch& watch) { return carry_watched(lane_, watch, never); }
+
+ private:
+  TaskSlot& lane_;
+  const HybridSystem& system_;
+  const Vector& p_;
+};
+
+/// The orbit to which Newton's method converges from the states around a return, or from a guess next to a period doubling.
+template <class Carrier>
+MotionTask<typename Carrier::Orbit> shoot_next_to_doubling(Carrier& carrier, const std::vector<Vector>& around,
+                                                           double most_growth) {
+  const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
+    return std::all_of(guess.begin(), guess.end(),
+                       [&](const Vector& x) { return mode_at(carrier.system(), 0.0, x, carrier.parameters()).has_value(); });
+  };
+  typename Carrier::Attempt attempt = co_await carrier.shoot_from(around, most_growth);
+  if (!attempt.converged() && !attempt.given_up)
+    if (const std::vector<Vector> half = between_halves(around, near_halves); !half.empty() && in_front_of_barriers(half))
+      attempt = co_await carrier.shoot_from(half, growth_at_doubling);
+  if (!attempt.converged()) co_return std::move(attempt.orbit);
+  const std::complex<double> mu = attempt.multiplier();
+  if (has_doubled(attempt.orbit.states.size(), mu, around.size())) {
+    const std::vector<Vector> single = attempt.states();
+    const std::size_t three_times = 3 * single.size();
+    const std::vector<Vector> motion = co_await carrier.motion(around.front(), static_cast<int>(three_times));
+    if (motion.size() <= three_times) co_return std::move(attempt.orbit);
+    const std::vector<Vector> doubled = doubled_states(single, mu.real(), motion);
+    if (!doubled.empty() && in_front_of_barriers(doubled)) attempt = co_await carrier.shoot_from(doubled, most_growth);
+  }
+  co_return std::move(attempt.orbit);
 }
 
-}  // namespace
+/// Whether the motion at `state` is settling on a stable orbit with these states, whose slowest multiplier has this modulus.
+template <class Carrier, class State>
+MotionTask<bool> approaches(Carrier& carrier, const std::vector<State>& orbit, double slowest, const Vector& state) {
+  NearOrbit motion(orbit, state, slowest);
+  co_await carrier.carry(motion);
+  co_return motion.comes_closer();
+}
+MotionTask<bool> approaches(InLanes& carrier, const LaneOrbit& orbit, const Vector& state) {
+  return approaches(carrier, orbit.states, std::abs(orbit.multipliers.front()), state);
+}
+MotionTask<bool> approaches(ByPropagator& carrier, const PeriodicOrbit& orbit, const Vector& state) {
+  if (orbit.conservative) co_return is_on(orbit, state);
+  co_return co_await approaches(carrier, orbit.states, std::abs(orbit.multipliers.values.front()), state);
+}
 
-namespace {
+/// The orbit near the states around a return. The verdict is yes if it is stable, and the motion through the states approaches it
+/// and was not seen to pass it.
+template <class Orbit> struct Recognised {
+  Verdict verdict = Verdict::no;
+  Orbit orbit;
+};
+template <class Carrier>
+MotionTask<Recognised<typename Carrier::Orbit>> recognise(Carrier& carrier, const std::vector<Vector>& around, double most_growth,
+                                                          RefusedOrbits& refused) {
+  Recognised<typename Carrier::Orbit> found;
+  found.orbit = co_await shoot_next_to_doubling(carrier, around, most_growth);
+  found.verdict = verdict(found.orbit, around.front());
+  if (found.verdict != Verdict::yes) co_return found;
+  if (refused.knows(found.orbit.states, around.front())) {
+    found.verdict = Verdict::no;
+  } else if (!co_await approaches(carrier, found.orbit, around.front())) {
+    refused.add(found.orbit.states, around.front());
+    found.verdict = Verdict::no;
+  }
+  co_return found;
+}
+/// The same by a Propagator; empty unless the verdict is yes.
+MotionTask<std::optional<StableOrbit>> recognise_by(Propagator& propagator, const std::vector<Vector>& around, double most_growth,
+                                                    RefusedOrbits& refused) {
+  ByPropagator carrier(propagator);
+  Recognised<PeriodicOrbit> found = co_await recognise(carrier, around, most_growth, refused);
+  if (found.verdict != Verdict::yes) co_return std::nullopt;
+  co_return StableOrbit(std::move(found.orbit));
+}
+
+constexpr double any_growth = std::numeric_limits<double>::infinity();
 
 /// The problem in which an orbit is sought among the closest returns, and the orbits that the motion was seen to pass.
 struct Search {
@@ -276,45 +349,25 @@ struct Search {
   RefusedOrbits& passed_by;
 };
 
-std::optional<StableOrbit> whole(std::optional<PeriodicOrbit> orbit) {
-  if (!orbit) return std::nullopt;
-  return StableOrbit(std::move(*orbit));
-}
-
 /// The stable orbit near the states around a return, if the motion approaches it: by Newton's method in lanes, which leaves
-/// delicate cases to the Propagator.
-MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<StatePair>& around) {
-  RefusedOrbits& passed_by = search.passed_by;
-  std::optional<StableOrbit> found;
-  const LaneOrbit orbit = co_await shoot_next_to_doubling(lane, around);
-  const Verdict says = verdict(orbit, search.state);
-  if (says == Verdict::delicate) {
-    std::vector<Vector> nodes;
-    std::transform(around.begin(), around.end(), std::back_inserter(nodes), vector_of);
-    Propagator propagator(search.system, search.p, {}, lane.motions().options());
-    found = whole(stable_orbit_near(propagator, nodes, passed_by));
-  } else if (says == Verdict::yes && !passed_by.knows(orbit.states, search.state)) {
-    found = co_await orbit_approached_in_lanes(lane, search.system, search.p, orbit, search.state);
-    if (!found) passed_by.add(orbit.states, search.state);
-  }
-  co_return found;
-}
-
-/// The same by the Propagator.
+/// delicate cases to the Propagator, or by the slot's Propagator.
 MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<Vector>& around) {
-  std::optional<StableOrbit> found;
-  if (!(growth_along(lane.propagator(), around) > max_growth_of_return))
-    found = whole(stable_orbit_near(lane.propagator(), around, search.passed_by));
-  co_return found;
+  if (!lane.in_lanes()) co_return co_await recognise_by(lane.propagator(), around, max_growth_of_return, search.passed_by);
+  InLanes carrier(lane, search.system, search.p);
+  Recognised<LaneOrbit> found = co_await recognise(carrier, around, max_growth_of_return, search.passed_by);
+  if (found.verdict == Verdict::yes) co_return stable_orbit(search.system, search.p, found.orbit);
+  if (found.verdict == Verdict::no) co_return std::nullopt;
+  Propagator propagator(search.system, search.p, {}, lane.motions().options());
+  co_return co_await recognise_by(propagator, around, any_growth, search.passed_by);
 }
 
-template <class State> MotionTask<OrbitSearchResult> look(TaskSlot& lane, const Search& search, int max_period, double nearness) {
+MotionTask<OrbitSearchResult> look(TaskSlot& lane, const Search& search, int max_period, double nearness) {
   OrbitSearchResult out;
-  const std::vector<State> states = co_await next_states<State>(lane, search.state, max_period);
+  const std::vector<Vector> states = co_await next_states(lane, search.state, max_period);
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   if (!returns.empty()) out.closest = returns.front();
   for (const int n : returns_to_try(returns)) {
-    const std::vector<State> around(states.begin(), states.begin() + n);
+    const std::vector<Vector> around(states.begin(), states.begin() + n);
     out.orbit = co_await orbit_around(lane, search, around);
     if (out.orbit) break;
   }
@@ -331,7 +384,8 @@ bool closer_than_divisors(const std::vector<double>& distances) {
 }
 
 /// The stable orbit on which the motion at `state` is settling, by trying all its returns that may have settled.
-std::optional<PeriodicOrbit> orbit_of_any_return(Propagator& propagator, const Vector& state, int max_period, bool all_threads) {
+MotionTask<std::optional<StableOrbit>> orbit_of_any_return(Propagator& propagator, const Vector& state, int max_period,
+                                                           bool all_threads) {
   const HybridSystem& system = propagator.system();
   const Vector& p = propagator.parameters();
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
@@ -341,7 +395,7 @@ std::optional<PeriodicOrbit> orbit_of_any_return(Propagator& propagator, const V
   std::size_t together = 1;
   // Chaos has many returns, most of them to unstable orbits. A return that Newton's method has rejected in lanes is not tried
   // again.
-  const auto look = [&]() -> std::optional<PeriodicOrbit> {
+  const auto look = [&]() -> MotionTask<std::optional<StableOrbit>> {
     std::vector<std::vector<Vector>> guesses;
     for (const int n : worth) guesses.emplace_back(states.begin(), states.begin() + n);
     const std::vector<LaneOrbit> orbits =
@@ -353,11 +407,11 @@ std::optional<PeriodicOrbit> orbit_of_any_return(Propagator& propagator, const V
     };
     for (std::size_t i = 0; i < guesses.size(); ++i) {
       if (!orbits.empty() && can_be_skipped(orbits[i], guesses[i])) continue;
-      if (auto orbit = stable_orbit_near(propagator, guesses[i], refused)) return orbit;
+      if (auto orbit = co_await recognise_by(propagator, guesses[i], any_growth, refused)) co_return orbit;
     }
     worth.clear();
     together *= 2;
-    return std::nullopt;
+    co_return std::nullopt;
   };
   Transition transition;
   Matrix growth = Matrix::Identity(state.size(), state.size());
@@ -376,16 +430,25 @@ std::optional<PeriodicOrbit> orbit_of_any_return(Propagator& propagator, const V
       shrinks = shrinks || grown < 1.0;
     }
     if (shrinks && worth.size() >= together)
-      if (auto orbit = look()) return orbit;
+      if (auto orbit = co_await look()) co_return orbit;
     states.push_back(next);
   }
-  return spectral_radius(growth) > max_growth ? std::nullopt : look();
+  if (spectral_radius(growth) > max_growth) co_return std::nullopt;
+  co_return co_await look();
 }
 
 }  // namespace
 
+MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
+                                                                 const LaneOrbit& orbit, const Vector& state) {
+  if (verdict(orbit, state) != Verdict::yes) co_return std::nullopt;
+  InLanes carrier(lane, system, p);
+  if (!co_await approaches(carrier, orbit, state)) co_return std::nullopt;
+  co_return stable_orbit(system, p, orbit);
+}
+
 MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness) {
-  const std::vector<Vector> states = co_await next_states<Vector>(lane, state, max_period);
+  const std::vector<Vector> states = co_await next_states(lane, state, max_period);
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   co_return returns.empty() ? 0 : returns.front();
 }
@@ -400,19 +463,18 @@ MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem&
     return *own;
   };
   if (may_rest(system, p, state)) {
-    out.orbit = whole(resting_orbit(propagator(), state));
-    if (out.orbit) co_return out;
+    if (std::optional<PeriodicOrbit> rest = resting_orbit(propagator(), state)) {
+      out.orbit = StableOrbit(std::move(*rest));
+      co_return out;
+    }
   }
   if (!(search.nearness > 0.0)) {
-    out.orbit = whole(orbit_of_any_return(propagator(), state, search.max_period, search.all_threads));
+    out.orbit = co_await orbit_of_any_return(propagator(), state, search.max_period, search.all_threads);
     co_return out;
   }
   RefusedOrbits here;
   const Search among{system, p, state, search.refused ? *search.refused : here};
-  if (lane.in_lanes())
-    out = co_await look<StatePair>(lane, among, search.max_period, search.nearness);
-  else
-    out = co_await look<Vector>(lane, among, search.max_period, search.nearness);
+  out = co_await look(lane, among, search.max_period, search.nearness);
   co_return out;
 }
 
