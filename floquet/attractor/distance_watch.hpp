@@ -15,6 +15,12 @@ class DistanceWatch {
  public:
   static constexpr double rounding_distance = 1e-9;  ///< closer than this, distances are rounding
 
+  /// Whether sample number `sample` (from 1) is as close as required, for a motion that began at the distance `before`.
+  static bool is_closer(double distance, int sample, double before) {
+    constexpr double factor = 0.75;
+    return distance < std::max(rounding_distance, std::pow(factor, sample) * before);
+  }
+
   /// `slowest`: modulus of the orbit's first multiplier; `period`: period of the orbit, in forcing periods.
   DistanceWatch(double distance, double slowest, int period) : before_(distance), closer_(distance < rounding_distance) {
     constexpr double most = 20000.0;
@@ -29,7 +35,7 @@ class DistanceWatch {
   void see(double distance) {
     constexpr double far_off = 1e-3;
     ++done_;
-    const bool closer = distance < std::max(rounding_distance, std::pow(0.75, done_) * before_);
+    const bool closer = is_closer(distance, done_, before_);
     closer_ = closer && (before_ < far_off || done_ == times_);
   }
   void stop() { done_ = times_; }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/attractor/distance_watch.hpp>
 #include <graze/floquet/basins/attractor_classifier.hpp>
 
 #include <algorithm>
@@ -58,9 +59,7 @@ std::optional<ApproachTest> AttractorClassifier::nearing(const Vector& state, in
 }
 
 bool AttractorClassifier::has_come_closer(const ApproachTest& nearing, const Vector& state) const {
-  constexpr double closer = 0.75, rounding_distance = 1e-9;  // as for a new orbit (settling_orbit.cpp)
-  return list_[nearing.attractor].orbit.distance(state) <
-         std::max(std::pow(closer, nearing.times) * nearing.distance, rounding_distance);
+  return DistanceWatch::is_closer(list_[nearing.attractor].orbit.distance(state), nearing.times, nearing.distance);
 }
 
 bool AttractorClassifier::orbit_near(const Vector& state, double distance, bool with_region) const {

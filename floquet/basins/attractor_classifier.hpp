@@ -44,8 +44,7 @@ class AttractorClassifier {
   /// The known orbit of this period through `state`, within the agreement of two runs of Newton's method.
   std::optional<std::size_t> orbit_at(const Vector& state, int period) const;
   /// A known orbit not far away that a motion may be approaching if it nearly returns to `state` after `period` periods. The
-  /// later test has_come_closer decides: the distance must have shrunk to 3/4 for each of nearing.times. (If the tangent is far
-  /// from normal, this takes more than one.)
+  /// later test has_come_closer decides, as DistanceWatch does for a new orbit.
   std::optional<ApproachTest> nearing(const Vector& state, int period) const;
   bool has_come_closer(const ApproachTest& nearing, const Vector& state) const;
   /// Whether a known orbit is nearer than `distance`; `with_region`: only orbits that have a trapping region.
