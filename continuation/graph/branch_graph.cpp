@@ -238,7 +238,7 @@ class Graph {
     Vector p = branch.parameters;
     p[static_cast<Eigen::Index>(parameter_)] = beyond;
     AttractorOptions settling;
-    settling.recurrence = 1e-4;
+    settling.recurrence = usual_recurrence;
     settling.lyapunov.flow = options_.shooting.flow;
     settling.lyapunov.cancelled = options_.cancelled;
     if (!mode_at(system_, 0.0, end.orbit.state, p)) return;

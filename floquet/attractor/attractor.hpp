@@ -34,6 +34,10 @@ enum class ConservativeMotion { unknown, neutral, island, chaotic_sea };
 /// "undecided", "neutral", "island", "chaotic sea".
 std::string_view conservative_motion_name(ConservativeMotion motion);
 
+/// AttractorOptions::recurrence of sweeps, maps and searches. Chaos returns this closely only rarely. A motion that settles does
+/// so long before its distance from the orbit is rounding, and Newton's method then converges from there.
+inline constexpr double usual_recurrence = 1e-4;
+
 struct AttractorOptions {
   int transient = 1000;  ///< forcing periods
   /// > 0: fast mode for many attractors. The search for a stable orbit then begins during the transient, when the motion

@@ -336,9 +336,6 @@ void check_box(const HybridSystem& system, const Vector& lower, const Vector& up
     throw std::invalid_argument("the search box needs a finite lower and a larger upper bound for each state");
 }
 
-/// Newton's method is tried for returns this close (relative to 1 + |x|).
-constexpr double settling_recurrence = 1e-4;
-
 MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
                        std::shared_ptr<const StableOrbit>& reached) {
   if (!mode_at(system, 0.0, start.state, start.p)) co_return;
@@ -352,7 +349,7 @@ std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std:
                                           const SettlingOptions& options) {
   AttractorOptions settling;
   settling.transient = options.periods;
-  settling.recurrence = settling_recurrence;
+  settling.recurrence = usual_recurrence;
   settling.max_period = options.max_period;
   settling.periods_on_orbit = 0;
   settling.lyapunov.cancelled = options.cancelled;

@@ -20,7 +20,7 @@ namespace graze {
 /// Distance (relative to 1 + |x|) of returns for which Newton's method is tried, larger than the one that triggers a search.
 /// Also the bound on the drift of a laminar phase.
 inline double return_tolerance(const AttractorOptions& options) {
-  return 20.0 * (options.recurrence > 0.0 ? options.recurrence : 1e-4);
+  return 20.0 * (options.recurrence > 0.0 ? options.recurrence : usual_recurrence);
 }
 
 /// Longest period in a search for an orbit after `carried` forcing periods: max_period, in fast mode at most 64 or 1/16 of

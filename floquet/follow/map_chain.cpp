@@ -13,8 +13,6 @@ namespace graze {
 
 namespace {
 
-/// Returns this close trigger a search for an orbit during the transient; Newton's method decides. In chaos they are rare.
-constexpr double recurrence = 1e-4;
 constexpr int shortest_average = 200;
 /// Rows up to this length are not divided: a stretch begins with a guess, whose orbit differs from the one that is followed in
 /// the last digits.
@@ -38,7 +36,7 @@ MapSetting map_setting(const HybridSystem& system, const Vector& p, const Parame
   AttractorOptions& from_start = out.from_start;
   from_start.transient = options.settle;
   from_start.max_period = options.max_period;
-  from_start.recurrence = recurrence;
+  from_start.recurrence = usual_recurrence;
   from_start.periods_on_orbit = 0;  // the multipliers contain everything
   from_start.lyapunov.standard_error = options.standard_error;
   from_start.lyapunov.max_periods = options.periods;

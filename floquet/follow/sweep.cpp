@@ -15,15 +15,11 @@ namespace graze {
 
 namespace {
 
-/// Returns this close trigger a search for an orbit; Newton's method decides.
-constexpr double repeats = 1e-4;
 /// Chaos found by an average over fewer forcing periods must be confirmed by a second one.
 constexpr std::int64_t short_average = 500;
-/// Forcing periods that align the tangent of a motion before its growth counts.
-constexpr std::int64_t aligning_periods = 60;
 
 SweepOptions with_looks(SweepOptions options) {
-  options.attractor.recurrence = repeats;
+  options.attractor.recurrence = usual_recurrence;
   options.attractor.confirmed_below = short_average;
   LyapunovOptions& averaging = options.attractor.lyapunov;
   averaging.aligning = std::max(averaging.aligning, aligning_periods);
