@@ -119,9 +119,11 @@ class FrameMotions : public Average<FrameMotion> {
   std::size_t threads_;
 };
 
+/// Shortest length of a motion in an average over several: the periods in which they separate do not count and are a small part.
+constexpr std::int64_t shortest_motion = 10 * decorrelation_periods;
+
 /// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
-/// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least ten times
-/// `decorrelation_periods`.
+/// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least `shortest_motion`.
 constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
 constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * decorrelation_periods;
 
@@ -136,15 +138,17 @@ std::int64_t expected_periods(const LyapunovOptions& averaging) {
 /// Motions of an average that has the lanes for itself.
 int motions_in_lanes(const LyapunovOptions& averaging) {
   if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
-  const std::int64_t wanted = expected_periods(averaging) / (10 * decorrelation_periods);
+  const std::int64_t wanted = expected_periods(averaging) / shortest_motion;
   return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
 }
 
-/// Motions of an average by Propagators: several threads share them.
+/// Motions of an average by Propagators: several threads share them. Their number depends on the length alone, so that the result
+/// does not depend on the machine.
 int motions_of_propagators(const LyapunovOptions& averaging) {
-  constexpr int motions = 4;
-  const bool too_short = averaging.change > 0.0 || expected_periods(averaging) < 10 * motions * decorrelation_periods;
-  return too_short ? 1 : motions;
+  constexpr std::int64_t step = 4, most = 32;
+  const std::int64_t wanted = expected_periods(averaging) / shortest_motion;
+  if (averaging.change > 0.0 || wanted < step) return 1;
+  return static_cast<int>(std::min(wanted / step * step, most));
 }
 
 }  // namespace
