@@ -219,7 +219,7 @@ class SeedFinder {
     AttractorOptions settling;
     settling.transient = options_.settle;
     settling.max_period = std::min(settling.max_period, options_.settle);
-    settling.recurrence = 1e-4;
+    settling.recurrence = usual_recurrence;
     settling.periods_on_orbit = 0;
     settling.lyapunov.flow = options_.continuation.shooting.flow;
     out.orbits.resize(all.size());

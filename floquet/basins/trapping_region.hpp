@@ -10,7 +10,7 @@
 // period. Each must meet the same events with a jump as the orbit (so that no hard impact grazes inside), and its distance in
 // the metric must shrink to at most (1 + q) / 2 of itself. This is sampled, not proved, hence the factor of two. The region of
 // an orbit at a hard grazing (size 0) consists of its own states: a motion that is bitwise in one of them stays on the orbit.
-// The region of a mass at rest on its stop is that of the bounces that die out (lib/rest.hpp).
+// The region of a mass at rest on its stop is that of the bounces that die out (lib/motion/rest.hpp).
 #pragma once
 
 #include <graze/lib/motion/lane_carrier.hpp>

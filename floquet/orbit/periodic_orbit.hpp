@@ -40,7 +40,7 @@ struct PeriodicOrbit {
   Signature signature;
   int impacts = 0;            ///< p of z = p/n
   int isolated_impacts = 0;   ///< without those of complete chatters, whose number depends on the definition
-  bool rests = false;         ///< the mass is held at its stop all the time (lib/rest.hpp)
+  bool rests = false;         ///< the mass is held at its stop all the time (lib/motion/rest.hpp)
   bool conservative = false;  ///< Liouville's sum is exactly zero along it
   NewtonReport newton;
   Admissibility admissible = Admissibility::not_checked;
