@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/graph/settling_chain.hpp>
 
+#include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/orbit/returns.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
