@@ -181,6 +181,7 @@ SpecialPoint grazing_point(const HybridSystem& system, const LocatedGrazing& loc
   point.interval[0] = point.value - point.precision;
   point.interval[1] = point.value + point.precision;
   point.orbit = located.orbit;
+  // Its own check fails: a free run meets the contact that the orbit leaves out. It is a motion if the orbits beside it are.
   point.orbit.admissible = branch.points.back().admissible;
   point.touching = located.contacts;
   set_impacts(point, impacts_before, impacts_after);
