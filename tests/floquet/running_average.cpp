@@ -151,6 +151,24 @@ TEST_CASE("chaos is averaged over more motions if each will run for long") {
   CHECK(motions(1000000, 1e-3) == 16);  // a bound that some 20000 periods meet
 }
 
+TEST_CASE("an average by Propagators has four motions more for each 12000 periods, up to 32") {
+  const HybridSystem system = make_oscillator("linear", "newton");
+  const Vector p = parameters(system, {{"eta", 0.711}});
+  LyapunovOptions options;
+  options.flow.kind = FlowKind::alone;
+  options.standard_error = 0.0;
+  const auto motions = [&](std::int64_t periods) {
+    options.max_periods = periods;
+    return enough_motions(system, p, options);
+  };
+  CHECK(motions(11999) == 1);
+  CHECK(motions(12000) == 4);
+  CHECK(motions(50000) == 16);
+  CHECK(motions(1000000) == 32);
+  options.change = 1e-3;  // a rule for a single motion
+  CHECK(motions(1000000) == 1);
+}
+
 TEST_CASE("exponents averaged with an existing table of contacts") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}});
