@@ -91,7 +91,8 @@ Table branches_table(const Problem& problem, const std::vector<Branch>& branches
 
 /// The branches of a result (graze.branch/1), from which a run can continue: values, states, stability and special points, but
 /// no events, no monodromy matrices, and no report of Newton's method on the orbit of a special point (PeriodicOrbit::newton is
-/// not_run; SpecialPoint::newton tells how the point was located). @throws std::invalid_argument in one sentence if something is missing or damaged.
+/// not_run; SpecialPoint::newton tells how the point was located). @throws std::invalid_argument in one sentence if something is
+/// missing or damaged.
 std::vector<Branch> branches_from_json(const Json& result);
 
 }  // namespace graze::apps

@@ -12,8 +12,7 @@ std::size_t mode_number(const Names& names, const Pieces& pieces, const Text& na
     if (pieces.modes[i].name == name.text) return i;
     known.push_back(pieces.modes[i].name);
   }
-  names.refuse(name.place,
-               fmt::format("{} names an unknown mode '{}'{}", who, name.text, suggestion_or_list(name.text, known)));
+  names.refuse(name.place, fmt::format("{} names an unknown mode '{}'{}", who, name.text, suggestion_or_list(name.text, known)));
 }
 
 }  // namespace graze::equations

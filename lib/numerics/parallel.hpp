@@ -27,8 +27,8 @@ inline std::size_t available_threads() {
 /// n / by, rounded up: number of parts of a given size, or size of a given number of parts.
 constexpr std::size_t divide_rounding_up(std::size_t n, std::size_t by) { return (n + by - 1) / by; }
 
-/// Tells ThreadSanitizer that another thread may read after take() the data that this one wrote before give(): it does not see how
-/// oneTBB synchronises its threads.
+/// Tells ThreadSanitizer that another thread may read after take() the data that this one wrote before give(): it does not see
+/// how oneTBB synchronises its threads.
 struct Handover {
 #ifdef __SANITIZE_THREAD__
   void give() const { __tsan_release(const_cast<Handover*>(this)); }
