@@ -126,8 +126,8 @@ std::optional<PlacedWords> WordPlaces::beside_mark(const std::vector<Cell>& mark
   for (const Cell& mark : marks) {
     for (const bool leftwards : {false, true}) {
       consider(mark, 0.0, 0.0, leftwards);
-      for (double distance = 1.5; distance <= farthest; distance += 0.5)
-        for (int angle = 0; angle < angles; ++angle) consider(mark, distance, 2.0 * M_PI * angle / angles, leftwards);
+      for (int steps = 3; 0.5 * steps <= farthest; ++steps)
+        for (int angle = 0; angle < angles; ++angle) consider(mark, 0.5 * steps, 2.0 * M_PI * angle / angles, leftwards);
     }
     rank = 2.0;
   }

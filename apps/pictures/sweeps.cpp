@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures of graze.sweep/1: stroboscopic states against the parameter, and the exponents.
 #include <graze/apps/pictures/pictures.hpp>
+#include <graze/apps/pictures/range.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/signature.hpp>
 #include <graze/floquet/orbit/signature_equations.hpp>
 #include <graze/lib/motion/rest.hpp>
 #include <graze/lib/system/guard_rounding.hpp>
