@@ -58,8 +58,8 @@ void check_range(const Problem& problem, const std::string& parameter, double fr
   set_parameter(at_end, parameter, from, "--from");
   set_parameter(at_end, parameter, to, "--to");
   if (from < to || (reversible && from > to)) return;
-  throw std::invalid_argument(
-      fmt::format("--from {} and --to {}: the range is empty; --from must be below --to", exact(from), exact(to)));
+  throw std::invalid_argument(fmt::format("--from {} and --to {}: the range is empty; {}", exact(from), exact(to),
+                                          reversible ? "they must differ" : "--from must be below --to, in both directions"));
 }
 
 Json sweeping_json(const SweepingOptions& options) {

@@ -42,10 +42,10 @@ std::string misuse(std::vector<std::string> more) {
 
 TEST_CASE("diagram refuses invalid options") {
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--step", "0.1"}),
-             Contains("--step is of the sweeps, which --skeleton leaves out"));
+             Contains("--step belongs to the sweeps, and --skeleton has none"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.8", "--plot-kind", "states"}),
              Contains("--plot-kind states: with --skeleton it is one of branch, multipliers, skeleton"));
-  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.7"}), Contains("--from and --to are both 0.7"));
+  CHECK_THAT(misuse({"--skeleton", "--from", "0.7", "--to", "0.7"}), Contains("--from 0.7 and --to 0.7: the range is empty; they must differ"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0.7"}), Contains("--to is required"));
   CHECK_THAT(misuse({"--skeleton", "--to", "0.7"}), Contains("--from is required"));
   CHECK_THAT(misuse({"--skeleton", "--from", "0", "--to", "0.7"}), Contains("eta is 0; allowed is >= 0.0001"));

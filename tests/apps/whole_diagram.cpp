@@ -277,7 +277,7 @@ TEST_CASE("a whole diagram refuses invalid options before it computes anything")
   CHECK_THAT(misuse(range + Words{"--start", "2.5,0"}), Contains("2.5"));
   CHECK_THAT(misuse(range + Words{"--plot-kind", "multipliers"}),
              Contains("--plot-kind multipliers: without --skeleton it is one of diagram, skeleton, states, exponents"));
-  CHECK_THAT(misuse({"--from", "0.7", "--to", "0.7"}), Contains("--from and --to are both 0.7"));
+  CHECK_THAT(misuse({"--from", "0.7", "--to", "0.7"}), Contains("--from 0.7 and --to 0.7: the range is empty; they must differ"));
 }
 
 TEST_CASE("Ctrl-C in the skeleton leaves a diagram without sweeps") {
