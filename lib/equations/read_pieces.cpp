@@ -24,14 +24,14 @@ Expression Rates::resolve(Expression e) {
   return graph.substitute(e, known);
 }
 
-Expression Rates::field(std::size_t i) {
-  if (field_[i]) return *field_[i];
-  if (in_progress_[i])
-    names_.refuse(mode_.equation[i],
-                  fmt::format("the rate of {} in mode {} depends on itself", names_.symbols.states[i], mode_.name));
-  in_progress_[i] = true;
-  field_[i] = resolve(mode_.field[i]);
-  return *field_[i];
+Expression Rates::field(std::size_t state) {
+  if (field_[state]) return *field_[state];
+  if (in_progress_[state])
+    names_.refuse(mode_.equation[state],
+                  fmt::format("the rate of {} in mode {} depends on itself", names_.symbols.states[state], mode_.name));
+  in_progress_[state] = true;
+  field_[state] = resolve(mode_.field[state]);
+  return *field_[state];
 }
 
 namespace {
