@@ -95,6 +95,7 @@ template <class Number> void Tape::run(Part part, Number t, const Number* x, con
   } else if (part == of_time) {
     for (std::size_t i = parameters_; i < times_; ++i) workspace[i] = t;
   } else {
+    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): x is null only for expressions without states
     for (std::size_t i = times_; i < leaves_.size(); ++i) workspace[i] = x[leaves_[i].index];
   }
   Number* const results = workspace + leaves_.size();
