@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 namespace graze {
 

@@ -30,6 +30,8 @@ struct TestPoint {
 struct TestFunction {
   PointType type = PointType::MX;
   std::string summary;  ///< one line: name, and the condition
+  /// Of a condition from outside the library: its name, which its points have as their detail "condition".
+  std::string condition = {};
   /// The scalar (dimensionless). Its sign change announces the point.
   std::function<double(const TestPoint& point)> value;
   /// After a sign change between two points: whether it is this bifurcation.
@@ -57,8 +59,8 @@ TestFunction zero_test(std::string name, const std::function<double(const Branch
 /// All test functions of bifurcations, in the order in which they are evaluated.
 const std::vector<TestFunction>& test_functions();
 
-/// The branch that is born at a point of this type by test_functions() or one of `further`; null if none is.
-const Birth* born_at(PointType type, const std::vector<TestFunction>& further);
+/// The branch that is born at the point by test_functions() or one of `further`; null if none is.
+const Birth* born_at(const SpecialPoint& point, const std::vector<TestFunction>& further);
 
 /// Whether the parameter is constant to rounding between two points. The branch is then a family of orbits of a conservative
 /// system at one parameter value. Each orbit has a multiplier +1, and the test functions of folds and branch points are

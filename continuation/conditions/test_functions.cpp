@@ -2,6 +2,8 @@
 #include <graze/continuation/conditions/test_function.hpp>
 
 #include <limits>
+#include <string>
+#include <variant>
 
 namespace graze {
 
@@ -10,10 +12,12 @@ const std::vector<TestFunction>& test_functions() {
   return list;
 }
 
-const Birth* born_at(PointType type, const std::vector<TestFunction>& further) {
+const Birth* born_at(const SpecialPoint& point, const std::vector<TestFunction>& further) {
+  const auto detail = point.details.find("condition");
+  const std::string* const name = detail == point.details.end() ? nullptr : std::get_if<std::string>(&detail->second);
   for (const std::vector<TestFunction>* list : {&test_functions(), &further})
     for (const TestFunction& test : *list)
-      if (test.type == type && test.born) return &*test.born;
+      if (test.type == point.type && test.condition == (name ? *name : "")) return test.born ? &*test.born : nullptr;
   return nullptr;
 }
 

@@ -133,7 +133,7 @@ class Graph {
   /// The branch that the task follows from a special point; null if it begins elsewhere.
   const Birth* birth_of(const Task& task) const {
     if (task.origin != Origin::born) return nullptr;
-    return born_at(graph_.branches[task.parent].special_points[task.special].type, options_.further_tests);
+    return born_at(graph_.branches[task.parent].special_points[task.special], options_.further_tests);
   }
 
   /// True if FamilyChoice excludes the task; the task is then counted or listed.
@@ -279,7 +279,7 @@ class Graph {
     std::function<void()> confirm;
     for (Branch& parent : graph_.branches) {
       for (SpecialPoint& point : parent.special_points) {
-        const Birth* birth = born_at(point.type, options_.further_tests);
+        const Birth* birth = born_at(point, options_.further_tests);
         if (!birth || birth->multiple == 1 || !birth->confirm) continue;
         if (birth->multiple * parent.period != child.period || birth->multiple * point.orbit.impacts != end.impacts) continue;
         double distance = std::numeric_limits<double>::infinity();
@@ -576,7 +576,7 @@ class Graph {
       generation = generations_[static_cast<std::size_t>(parent - graph_.branches.begin())];
       for (const SpecialPoint& point : parent->special_points) {
         if (point.label != branch.parent->label) continue;
-        if (born_at(point.type, options_.further_tests)) ++generation;
+        if (born_at(point, options_.further_tests)) ++generation;
         if (point.type != PointType::GR) continue;
         if (!is_partner(branch, *parent)) ++generation;
         edges_.push_back({first_edge(point, branch), graph_.branches.size(), true});
@@ -615,7 +615,7 @@ class Graph {
     for (std::size_t s = 0; s < branch.special_points.size(); ++s) {
       const SpecialPoint& point = branch.special_points[s];
       if (generation >= options_.switch_generations) continue;
-      const Birth* birth = born_at(point.type, options_.further_tests);
+      const Birth* birth = born_at(point, options_.further_tests);
       if (!birth || (birth->located_only && point.status != PointStatus::converged)) continue;
       for (const int side : birth->sides) {
         const Task task{Origin::born, {}, side, index, s, generation};

@@ -162,20 +162,20 @@ Verdict verdict(const PeriodicOrbit& orbit, const Vector& state) {
   return holds && is_near(orbit, state) ? Verdict::yes : Verdict::no;
 }
 
-StableOrbit stable_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
-  StableOrbit orbit;
-  orbit.period = static_cast<int>(found.states.size());
-  orbit.duration = orbit.period * forcing_period(system, p);
-  for (const StatePair& state : found.states) orbit.states.push_back(vector_of(state));
-  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
-  orbit.multipliers = multipliers_of_values({found.multipliers.begin(), found.multipliers.end()}, orbit.duration);
-  return orbit;
-}
-
 std::vector<Vector> vectors_of(const std::vector<StatePair>& pairs) {
   std::vector<Vector> states;
   std::transform(pairs.begin(), pairs.end(), std::back_inserter(states), vector_of);
   return states;
+}
+
+StableOrbit stable_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
+  StableOrbit orbit;
+  orbit.period = static_cast<int>(found.states.size());
+  orbit.duration = orbit.period * forcing_period(system, p);
+  orbit.states = vectors_of(found.states);
+  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
+  orbit.multipliers = multipliers_of_values({found.multipliers.begin(), found.multipliers.end()}, orbit.duration);
+  return orbit;
 }
 
 /// The states of a motion after 0, 1, ... `periods` periods; fewer if it ends.
@@ -252,11 +252,10 @@ class InLanes {
     std::complex<double> multiplier() const { return orbit.multipliers[0]; }
   };
   MotionTask<Attempt> shoot_from(const std::vector<Vector>& guess, double most_growth) {
-    std::vector<StatePair> pairs;
-    std::transform(guess.begin(), guess.end(), std::back_inserter(pairs), pair_of);
+    LaneGuess from = guess_of(lane_.parameters(), guess);
     const LanePatience patience{most_growth, quick_halvings};
     Attempt attempt;
-    attempt.orbit = co_await shoot_in_lanes(lane_, std::move(pairs), patience);
+    attempt.orbit = co_await shoot_in_lanes(lane_, std::move(from.states), patience);
     attempt.given_up = attempt.orbit.given_up;
     co_return attempt;
   }

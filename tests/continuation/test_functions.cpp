@@ -270,19 +270,21 @@ TEST_CASE("a condition from outside the library states which branch is born at i
     return std::optional<BranchStart>();
   };
   test.born = birth;
-  options.further_tests = {test};
+  // Another condition has points too; no branch is born at them.
+  options.further_tests = {test, zero_test("x = 0.63", [](const BranchPoint& point) { return point.state()[0] - 0.63; })};
   options.threads = 1;
   const BranchGraph graph = follow_branches(system, {{orbit, {1}}}, options);
   std::sort(asked.begin(), asked.end());
   CHECK(asked == std::vector<int>{-1, 1});
-  CHECK(graph.branches.size() == 1);
+  REQUIRE(graph.branches.size() == 1);
+  CHECK(types_of(graph.branches[0]) == "UZ UZ");
   REQUIRE(graph.cut_off.size() == 1);
-  CHECK(graph.cut_off[0].label == "UZ1");
+  CHECK(graph.cut_off[0].label == "UZ2");
   CHECK(graph.cut_off[0].reason == "nothing begins there");
 
   options.further_tests[0].born->certain = true;
   const BranchGraph certain = follow_branches(system, {{orbit, {1}}}, options);
   REQUIRE(certain.branches.size() == 3);
   CHECK(certain.branches[1].stop == BranchStop::start_failed);
-  CHECK(certain.branches[1].message == "nothing begins there beside UZ1");
+  CHECK(certain.branches[1].message == "nothing begins there beside UZ2");
 }

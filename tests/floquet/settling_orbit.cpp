@@ -177,14 +177,13 @@ TEST_CASE("the states of a doubled orbit are estimated from the motion across it
     for (const double times : {0.3, 1.0, 3.0}) {
       std::vector<Vector> motion = {vector({times * std::sqrt(e)})};
       for (int k = 0; k < 3; ++k) motion.push_back(vector({next(motion.back()[0], e)}));
-      const std::vector<Vector> guess = doubled_states<Vector>({vector({0.0})}, -(1.0 + e), motion);
+      const std::vector<Vector> guess = doubled_states({vector({0.0})}, -(1.0 + e), motion);
       REQUIRE(guess.size() == 2);
       CHECK(guess[0][0] == Approx(std::sqrt(e)).epsilon(20.0 * e));
       CHECK(guess[1][0] == Approx(-std::sqrt(e)).epsilon(20.0 * e));
     }
   // A motion that grows faster than the multiplier is not on its way to a doubled orbit.
-  CHECK(
-      doubled_states<Vector>({vector({0.0})}, -1.001, {vector({0.1}), vector({-0.11}), vector({0.12}), vector({-0.13})}).empty());
+  CHECK(doubled_states({vector({0.0})}, -1.001, {vector({0.1}), vector({-0.11}), vector({0.12}), vector({-0.13})}).empty());
   CHECK(has_doubled(3, -1.001, 6));
   CHECK_FALSE(has_doubled(3, -0.999, 6));
   CHECK_FALSE(has_doubled(3, {-1.0, 0.1}, 6));
