@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/attractor/search.hpp>
+#include <graze/floquet/orbit/newton_on_nodes.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
@@ -38,6 +39,37 @@ FlowOptions quick_flow(FlowOptions options, std::size_t max_steps) {
   if (max_steps > 0) options.max_steps = max_steps;
   return options;
 }
+
+constexpr std::size_t most_events = 1000;
+
+}  // namespace
+
+/// The nodes of a start: Newton's method ends where it is hopeless, and takes no step to beyond the box. (In
+/// no unnamed namespace: g++ 12 warns of tasks that hold one's types.)
+class QuickNodes : public ShootingNodes {
+ public:
+  QuickNodes(ShootingEquations& equations, const Vector& lower, const Vector& upper)
+      : ShootingNodes(equations, {.sensitivity = Sensitivity::state, .max_events = most_events}), lower_(lower), upper_(upper) {}
+
+  std::suspend_never carry(const Vector& trial) {
+    const auto x = trial.head(lower_.size()).array();
+    inside_ = is_start_ || ((x >= lower_.array()).all() && (x <= upper_.array()).all());
+    is_start_ = false;
+    return inside_ ? ShootingNodes::carry(trial) : std::suspend_never{};
+  }
+  std::optional<double> residual(const Vector& trial) { return inside_ ? ShootingNodes::residual(trial) : std::nullopt; }
+  bool gives_up(const NewtonReport& report) const {
+    const std::vector<double>& history = report.residual_history;
+    return history.back() <= quick_residual ||
+           (history.size() > quick_window && history.back() > 0.5 * history[history.size() - 1 - quick_window]);
+  }
+
+ private:
+  const Vector &lower_, &upper_;
+  bool is_start_ = true, inside_ = true;
+};
+
+namespace {
 
 /// State of one search: the orbits found, and the number of starts since the last new one.
 class Search {
@@ -106,8 +138,6 @@ class Search {
   SearchResult result;
 
  private:
-  static constexpr std::size_t most_events = 1000;
-
   /// One forcing phase: the shooting equations there, and the states of the orbits found so far.
   struct Section {
     double phase;
@@ -147,37 +177,17 @@ class Search {
   }
 
   /// Newton with few halvings that gives up as soon as it is hopeless; true if it converges.
-  bool try_newton(ShootingEquations& equations, Vector& u) {
-    const TransitionOptions tangent{.sensitivity = Sensitivity::state, .max_events = most_events};
-    const Eigen::Index n = lower_.size();
+  bool try_newton(ShootingEquations& equations, Vector& u) const {
     const ShootingOptions& shooting = options_.shooting;
-    DampedNewton newton({.tolerance = quick_residual,
-                         .acceptance = quick_residual,
-                         .rounding = quick_residual,
-                         .max_iterations = std::min(quick_iterations, shooting.max_iterations),
-                         .max_halvings = std::min(quick_halvings, shooting.max_halvings),
-                         .max_step = shooting.max_step});
-    Vector trial = u, step = Vector::Zero(u.size());
-    while (newton.open()) {
-      const bool inside = (trial.head(n).array() >= lower_.array()).all() && (trial.head(n).array() <= upper_.array()).all();
-      std::optional<double> reached;
-      if ((inside || !newton.begun()) && equations.evaluate(trial, tangent)) {
-        equations.residual(trial, residual_);
-        reached = residual_.lpNorm<Eigen::Infinity>() / (1.0 + trial.lpNorm<Eigen::Infinity>());
-      }
-      if (newton.take(reached)) {
-        u = trial;
-        const std::vector<double>& history = newton.report().residual_history;
-        if (history.back() <= quick_residual) return true;
-        const bool hopeless = history.size() > quick_window && history.back() > 0.5 * history[history.size() - 1 - quick_window];
-        if (hopeless || !newton.open()) return false;
-        equations.jacobian(jacobian_);
-        step = jacobian_.partialPivLu().solve(-residual_);
-        newton.begin_step(step.allFinite() ? step.lpNorm<Eigen::Infinity>() : std::nan(""), 1.0 + u.lpNorm<Eigen::Infinity>());
-      }
-      trial = u + newton.factor() * step;
-    }
-    return false;
+    QuickNodes nodes(equations, lower_, upper_);
+    const DampedNewtonRule rule{.tolerance = quick_residual,
+                                .acceptance = quick_residual,
+                                .rounding = quick_residual,
+                                .max_iterations = std::min(quick_iterations, shooting.max_iterations),
+                                .max_halvings = std::min(quick_halvings, shooting.max_halvings),
+                                .max_step = shooting.max_step};
+    const NewtonReport report = result_at_once(newton_on_nodes(nodes, rule, u));
+    return !report.residual_history.empty() && report.residual() <= quick_residual;
   }
 
   /// Polishes a converged start and stores the orbit if it is new.
@@ -220,8 +230,6 @@ class Search {
   SearchOptions options_;
   double T_;
   std::vector<Section> sections_;
-  Vector residual_;
-  Matrix jacobian_;
   Transition transition_;
   int idle_ = 0;
 };

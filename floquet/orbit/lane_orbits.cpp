@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/lane_orbits.hpp>
 #include <graze/floquet/orbit/least_period.hpp>
+#include <graze/floquet/orbit/newton_on_nodes.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/numerics/cyclic_blocks.hpp>
 #include <graze/lib/numerics/log_product.hpp>
@@ -27,17 +28,11 @@ Square product(const Square& A, const Square& B) {
 }
 
 /// Spectral radius of the tangent map over these periods.
-double growth(const PeriodResult* periods, std::size_t n) {
+double growth(const std::vector<PeriodResult>& periods) {
   Square M = {1.0, 0.0, 0.0, 1.0};
-  for (std::size_t k = 0; k < n; ++k) M = product(periods[k].Phi, M);
+  for (const PeriodResult& period : periods) M = product(period.Phi, M);
   return std::abs(eigenvalue_pair(0.5 * (M[0] + M[3]), M[0] * M[3] - M[1] * M[2])[0]);
 }
-
-/// Work space for the equations of a step, shared by all steps of one guess.
-struct StepEquations {
-  CyclicBlocks blocks;
-  std::vector<Square> Phi;
-};
 
 /// The rule of shoot(), which also ends where the residual is rounding: one evaluation less for most orbits. (In shoot() a
 /// further step may change the last digits.)
@@ -48,49 +43,59 @@ DampedNewtonRule rule_in_lanes(const LanePatience& patience) {
   return rule;
 }
 
-class Iteration {
+}  // namespace
+
+/// The nodes of an orbit in lanes: one for each period. (In no unnamed namespace: g++ 12 warns of tasks that hold one's types.)
+class LaneNodes {
  public:
-  Iteration(std::size_t parameters, std::vector<Pair> guess, const LanePatience& patience)
-      : parameters_(parameters), most_growth_(patience.most_growth), newton_(rule_in_lanes(patience)), trial_(std::move(guess)),
-        step_(trial_.size()) {}
+  using Unknowns = std::vector<Pair>;
 
-  bool open() const { return newton_.open() && !given_up_; }
-  std::size_t nodes() const { return trial_.size(); }
-  void ask(std::vector<MotionStart>& motions) const {
-    for (const Pair& node : trial_) motions.push_back({parameters_, node[0], node[1]});
+  LaneNodes(TaskSlot& lane, double most_growth) : lane_(lane), most_growth_(most_growth) {}
+
+  TaskSlot::Carrying carry(const Unknowns& trial) {
+    motions_.clear();
+    for (const Pair& node : trial) motions_.push_back({lane_.parameters(), node[0], node[1]});
+    return lane_.carry(motions_, 1, true);
+  }
+  std::optional<double> residual(const Unknowns& trial) {
+    const std::span<const PeriodResult> ends = lane_.results();
+    const std::size_t n = trial.size();
+    if (!std::all_of(ends.begin(), ends.end(), [](const auto& one) { return one.termination == Termination::time; }))
+      return std::nullopt;
+    residual_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Pair& next = trial[(k + 1) % n];
+      residual_[k] = {ends[k].x - next[0], ends[k].v - next[1]};
+    }
+    return nodes_size(residual_) / size(trial);
+  }
+  void accept() { carried_.assign(lane_.results().begin(), lane_.results().end()); }
+  bool gives_up(const NewtonReport& report) {
+    given_up_ = report.iterations() == 0 && growth(carried_) > most_growth_;
+    return given_up_;
+  }
+  double solve(const Unknowns&) {
+    Phi_.clear();
+    for (const PeriodResult& period : carried_) Phi_.push_back(period.Phi);
+    blocks_.solve(Phi_, residual_, step_);
+    double length = 0.0;
+    for (const Pair& one : step_)
+      for (const double entry : one) length = std::isfinite(entry) ? std::max(length, std::abs(entry)) : std::nan("");
+    return length;
+  }
+  double size(const Unknowns& u) const { return 1.0 + nodes_size(u); }
+  void move(const Unknowns& u, double factor, Unknowns& trial) const {
+    for (std::size_t k = 0; k < u.size(); ++k)
+      for (std::size_t i = 0; i < 2; ++i) trial[k][i] = u[k][i] + factor * step_[k][i];
   }
 
-  /// Takes the results of one period from the requested nodes.
-  void take(const PeriodResult* results, StepEquations& equations) {
-    const std::size_t n = nodes();
-    const bool carried = std::all_of(results, results + n, [](const auto& one) { return one.termination == Termination::time; });
-    std::optional<double> reached;
-    if (carried) {
-      trial_residual_.resize(n);
-      for (std::size_t k = 0; k < n; ++k) {
-        const Pair& next = trial_[(k + 1) % n];
-        trial_residual_[k] = {results[k].x - next[0], results[k].v - next[1]};
-      }
-      reached = nodes_size(trial_residual_) / (1.0 + nodes_size(trial_));
-    }
-    given_up_ = carried && !newton_.begun() && growth(results, n) > most_growth_;
-    if (given_up_) return;
-    if (newton_.take(reached)) {
-      nodes_ = trial_;
-      residual_ = trial_residual_;
-      carried_.assign(results, results + n);
-      if (newton_.open()) begin_step(equations);
-    }
-    for (std::size_t k = 0; k < n && newton_.begun(); ++k)
-      for (std::size_t i = 0; i < 2; ++i) trial_[k][i] = nodes_[k][i] + newton_.factor() * step_[k][i];
-  }
-
-  LaneOrbit orbit() const {
+  /// The orbit through u.
+  LaneOrbit orbit(const NewtonReport& report, Unknowns u) const {
     LaneOrbit out;
-    out.converged = newton_.report().converged();
+    out.converged = report.converged();
     out.given_up = given_up_;
     if (!out.converged) return out;
-    out.states = nodes_;
+    out.states = std::move(u);
     Square M = {1.0, 0.0, 0.0, 1.0};
     LogProduct determinant;
     double liouville = 0.0, blur = 1.0;
@@ -112,35 +117,23 @@ class Iteration {
   }
 
  private:
-  void begin_step(StepEquations& equations) {
-    equations.Phi.clear();
-    for (const PeriodResult& period : carried_) equations.Phi.push_back(period.Phi);
-    equations.blocks.solve(equations.Phi, residual_, step_);
-    double length = 0.0;
-    for (const Pair& one : step_)
-      for (const double entry : one) length = std::isfinite(entry) ? std::max(length, std::abs(entry)) : std::nan("");
-    newton_.begin_step(length, 1.0 + nodes_size(nodes_));
-  }
-
-  std::size_t parameters_;
+  TaskSlot& lane_;
   double most_growth_;
-  DampedNewton newton_;
-  std::vector<Pair> trial_, trial_residual_, nodes_, residual_, step_;
-  std::vector<PeriodResult> carried_;  // from nodes_
+  std::vector<MotionStart> motions_;
+  std::vector<PeriodResult> carried_;  // from the nodes accepted last
+  std::vector<Pair> residual_, step_;
+  CyclicBlocks blocks_;
+  std::vector<Square> Phi_;
   bool given_up_ = false;
 };
 
+namespace {
+
 MotionTask<LaneOrbit> newton(TaskSlot& lane, std::vector<Pair> states, LanePatience patience) {
-  Iteration iteration(lane.parameters(), std::move(states), patience);
-  StepEquations equations;
-  std::vector<MotionStart> nodes;
-  while (iteration.open()) {
-    nodes.clear();
-    iteration.ask(nodes);
-    const std::span<const PeriodResult> periods = co_await lane.carry(nodes, 1, true);
-    iteration.take(periods.data(), equations);
-  }
-  co_return iteration.orbit();
+  LaneNodes nodes(lane, patience.most_growth);
+  const DampedNewtonRule rule = rule_in_lanes(patience);
+  const NewtonReport report = co_await newton_on_nodes(nodes, rule, states);
+  co_return nodes.orbit(report, std::move(states));
 }
 
 MotionTask<> shoot_to(TaskSlot& lane, const LaneGuess& guess, LanePatience patience, LaneOrbit& orbit) {

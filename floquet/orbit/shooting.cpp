@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/shooting.hpp>
 
-#include <graze/floquet/orbit/kept_state.hpp>
 #include <graze/floquet/orbit/least_period.hpp>
+#include <graze/floquet/orbit/newton_on_nodes.hpp>
 #include <graze/lib/motion/rest.hpp>
-#include <graze/lib/numerics/decompositions.hpp>
-#include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <fmt/format.h>
 
@@ -19,52 +17,6 @@
 namespace graze {
 
 namespace {
-
-const TransitionOptions with_tangent{.sensitivity = Sensitivity::state};
-
-double unknowns_size(const Vector& u) { return 1.0 + u.lpNorm<Eigen::Infinity>(); }
-
-double relative(const Vector& residual, const Vector& u) { return residual.lpNorm<Eigen::Infinity>() / unknowns_size(u); }
-
-/// The states kept on all stretches (their closing equation is no condition), while constraints hold.
-std::vector<KeptState> kept_states(const ShootingEquations& equations) {
-  for (int j = 0; j < equations.nodes(); ++j)
-    if (equations.stretch(j).lost == 0) return {};
-  return find_kept_states(equations.states(), [&](const KeptState& one) {
-    for (int j = 0; j < equations.nodes(); ++j)
-      if (!one.kept_by(equations.stretch(j).Phi)) return false;
-    return true;
-  });
-}
-
-/// Newton's step. If states are kept, it is the shortest one: they stay where they are as far as possible.
-Vector newton_step(const ShootingEquations& equations, const Matrix& jacobian, const Vector& residual) {
-  if (kept_states(equations).empty()) return OrbitLU<Matrix>(jacobian).solve(-residual);
-  return shortest_solution(jacobian, -residual, 1e-11);  // above the rounding of the kept rows
-}
-
-/// Newton's method from u, which is changed in place. (The last evaluation need not be at u.)
-NewtonReport solve(ShootingEquations& equations, Vector& u, const ShootingOptions& options) {
-  DampedNewton newton(newton_rule(options));
-  Vector trial = u, residual, step = Vector::Zero(u.size());
-  Matrix jacobian;
-  while (newton.open()) {
-    std::optional<double> reached;
-    if (equations.evaluate(trial, with_tangent)) {
-      equations.residual(trial, residual);
-      reached = relative(residual, trial);
-    }
-    if (newton.take(reached)) {
-      u = trial;
-      if (!newton.open()) break;
-      equations.jacobian(jacobian);
-      step = newton_step(equations, jacobian, residual);
-      newton.begin_step(step.allFinite() ? step.lpNorm<Eigen::Infinity>() : std::nan(""), unknowns_size(u));
-    }
-    trial = u + newton.factor() * step;
-  }
-  return newton.report();
-}
 
 /// The guess as nodes: used directly if their number fits, otherwise carried on from the first state.
 Vector nodes_from(ShootingEquations& equations, const std::vector<Vector>& guess, double duration) {
@@ -168,7 +120,7 @@ PeriodicOrbit describe_orbit(ShootingEquations& equations, const Vector& u, Newt
   }
   Vector residual;
   equations.residual(u, residual);
-  orbit.checks.residual = relative(residual, u);
+  orbit.checks.residual = residual.lpNorm<Eigen::Infinity>() / (1.0 + u.lpNorm<Eigen::Infinity>());
   double log_det = 0.0, liouville = 0.0;
   std::vector<std::size_t> sequence;
   for (int j = 0; j < equations.nodes(); ++j) {
@@ -240,7 +192,8 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
   for (const Vector& x : guess) initial_mode(system, 0.0, x, p);
   Vector u = nodes_from(equations, guess, duration_guess);
   if (equations.autonomous()) equations.set_phase_reference(guess.front());
-  NewtonReport report = solve(equations, u, options);
+  ShootingNodes on_nodes(equations);
+  NewtonReport report = result_at_once(newton_on_nodes(on_nodes, newton_rule(options), u));
   PeriodicOrbit orbit = describe_orbit(equations, u, std::move(report));
   if (orbit.converged() && options.reduce_period && period > 1) {
     for (const std::size_t shorter : shorter_periods(orbit.states)) {

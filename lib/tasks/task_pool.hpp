@@ -85,6 +85,8 @@ class TaskSlot {
   /// co_await: the results of `periods` forcing periods of these motions in lanes at the slot's parameters, in the order of
   /// LaneCarrier::carry. They are valid until the next request.
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
+  /// Those of the last request.
+  std::span<const PeriodResult> results() const { return results_; }
   /// co_await: the next `periods` periods of the motion from `state`, in lanes or not.
   CarryingOne carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
   /// The same with tangent, up to the period in which the motion ends.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/orbit/kept_state.hpp>
+#include <graze/floquet/orbit/newton_on_nodes.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
+#include <graze/lib/numerics/orbit_lu.hpp>
+
+#include <cmath>
+#include <vector>
+
+namespace graze {
+
+namespace {
+
+/// The states kept on all stretches (their closing equation is no condition), while constraints hold.
+std::vector<KeptState> kept_states(const ShootingEquations& equations) {
+  for (int j = 0; j < equations.nodes(); ++j)
+    if (equations.stretch(j).lost == 0) return {};
+  return find_kept_states(equations.states(), [&](const KeptState& one) {
+    for (int j = 0; j < equations.nodes(); ++j)
+      if (!one.kept_by(equations.stretch(j).Phi)) return false;
+    return true;
+  });
+}
+
+/// Newton's step. If states are kept, it is the shortest one: they stay where they are as far as possible.
+Vector newton_step(const ShootingEquations& equations, const Matrix& jacobian, const Vector& residual) {
+  if (kept_states(equations).empty()) return OrbitLU<Matrix>(jacobian).solve(-residual);
+  return shortest_solution(jacobian, -residual, 1e-11);  // above the rounding of the kept rows
+}
+
+}  // namespace
+
+std::optional<double> ShootingNodes::residual(const Vector& trial) {
+  if (!carried_) return std::nullopt;
+  equations_.residual(trial, residual_);
+  return residual_.lpNorm<Eigen::Infinity>() / size(trial);
+}
+
+double ShootingNodes::solve(const Vector&) {
+  equations_.jacobian(jacobian_);
+  step_ = newton_step(equations_, jacobian_, residual_);
+  return step_.allFinite() ? step_.lpNorm<Eigen::Infinity>() : std::nan("");
+}
+
+}  // namespace graze
