@@ -217,7 +217,7 @@ MotionTask<bool> average(TaskSlot& lane, const HybridSystem& system, const Vecto
 MotionTask<Attractor> approach_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
                                          const AttractorOptions& options) {
   const Stop stop{options};
-  Transient approach(system, p, start, options);
+  Transient approach(lane.system(), p, start, options);
   lane.set_parameters(p, alone(options));
   do {
     co_await carry_watched(lane, approach, stop);

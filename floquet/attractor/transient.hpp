@@ -35,8 +35,7 @@ inline bool cancelled(const AttractorOptions& options) { return options.lyapunov
 
 class Transient {
  public:
-  Transient(HybridSystem&&, const Vector&, const Vector&, const AttractorOptions&) = delete;
-  Transient(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
+  Transient(const SharedSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options)
       : system_(system), p_(p), options_(options), watch_(options.recurrence) {
     if (options.transient < 0)
       throw std::invalid_argument(fmt::format("the transient is {} periods; allowed is 0 or more", options.transient));
@@ -88,9 +87,9 @@ class Transient {
   int transient() const { return is_forced(system_) ? options_.transient : std::max(1, options_.transient); }
   bool at_end() const { return periods_ >= transient(); }
 
-  const HybridSystem& system_;
-  const Vector& p_;
-  const AttractorOptions& options_;
+  SharedSystem system_;
+  Vector p_;
+  AttractorOptions options_;
   ReturnWatch watch_;
   RefusedOrbits passed_by_;
   Attractor out_;

@@ -31,7 +31,7 @@ std::vector<MotionStart> ends_of(const std::vector<PeriodResult>& results, std::
 
 }  // namespace
 
-ContactTableProbe::ContactTableProbe(const HybridSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow)
+ContactTableProbe::ContactTableProbe(const SharedSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow)
     : system_(system), p_(p), flow_(flow), many_(make_lane_carrier(system, {&p, 1}, flow)) {
   if (!many_) return;
   many_->use_all_threads();

@@ -14,7 +14,7 @@ namespace graze {
 class ContactTableProbe {
  public:
   /// `starts`: of all motions, at forcing phase 0, one per column. The table and its existence depend on nothing else.
-  ContactTableProbe(const HybridSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow = {});
+  ContactTableProbe(const SharedSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow = {});
 
   /// Null: the lanes do not support the oscillator, or a table does not pay.
   const ContactTable* table() const { return table_; }
@@ -27,8 +27,8 @@ class ContactTableProbe {
   std::vector<Vector> states(const Attractor& attractor, std::size_t count) const;
 
  private:
-  const HybridSystem& system_;
-  const Vector& p_;
+  SharedSystem system_;
+  Vector p_;
   FlowOptions flow_;
   std::unique_ptr<LaneCarrier> many_;
   const ContactTable* table_ = nullptr;

@@ -19,7 +19,7 @@ namespace graze {
 
 template <class Motion> class Average {
  public:
-  /// `period`: the forcing period, or 0 for autonomous motions. The caller keeps the options alive.
+  /// `period`: the forcing period, or 0 for autonomous motions.
   Average(std::vector<Motion> motions, std::size_t directions, const LyapunovOptions& options, double period)
       : options_(options), motions_(std::move(motions)), forced_interval_(options.interval * period), lost_(directions, 0),
         last_(directions, 0.0) {
@@ -31,6 +31,7 @@ template <class Motion> class Average {
   }
 
   bool open() const { return open_; }
+  const LyapunovOptions& options() const { return options_; }
   const std::vector<Motion>& motions() const { return motions_; }
   std::int64_t periods() const { return out_.periods; }
   const Vector& state() const { return out_.state; }
@@ -188,7 +189,7 @@ template <class Motion> class Average {
     return with_trend(std::sqrt(std::max(squares / (count() * count()), spread) + edges * edges), drift) / interval_time();
   }
 
-  const LyapunovOptions& options_;
+  LyapunovOptions options_;
   std::vector<Motion> motions_;
   double forced_interval_;  ///< time of an interval; 0: autonomous
   std::int64_t to_part_ = 0, uncounted_ = 0;

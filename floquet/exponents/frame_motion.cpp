@@ -92,10 +92,10 @@ double ReturnTimes::error(std::size_t direction, const BatchMeans& growth, doubl
   return std::sqrt(std::max(0.0, g + rate * rate * t - rate * (both - g - t)));
 }
 
-FrameMotion::FrameMotion(const HybridSystem& system, const AverageStart& start, const FlowOptions& flow)
-    : MotionGrowth(std::vector<BatchMeans>(system.states), std::vector<bool>(system.states, false), -1.0), system_(&system),
+FrameMotion::FrameMotion(const SharedSystem& system, const AverageStart& start, const FlowOptions& flow)
+    : MotionGrowth(std::vector<BatchMeans>(system->states), std::vector<bool>(system->states, false), -1.0),
       forced_(is_forced(system)), propagator_(std::make_unique<Propagator>(system, start.p, std::vector<std::size_t>{}, flow)),
-      state_(start.state), frame_(system.states), times_(system.states) {
+      state_(start.state), frame_(system->states), times_(system->states) {
   initial_mode(system, 0.0, start.state, start.p);
 }
 
@@ -116,7 +116,8 @@ void FrameMotion::carry(std::size_t periods, Kind kind, int interval) {
     liouville_ += transition_.liouville;
     lost_now_ = std::max(lost_now_, transition_.lost);
     time_ += transition_.duration;
-    for (const std::size_t event : transition_.event_sequence) impacts_ += begins_contact(system_->events[event].kind) ? 1 : 0;
+    const std::vector<Event>& events = propagator_->system().events;
+    for (const std::size_t event : transition_.event_sequence) impacts_ += begins_contact(events[event].kind) ? 1 : 0;
     if (++periods_ == interval) end_interval(interval);
   }
 }

@@ -70,9 +70,8 @@ class ReturnTimes {
 /// A motion to be averaged (average.hpp), with a frame of as many tangent vectors as there are states.
 class FrameMotion : public MotionGrowth<std::vector<BatchMeans>, std::vector<bool>> {
  public:
-  /// Refers to the system, which therefore is no temporary. @throws std::invalid_argument if the start is not admissible.
-  FrameMotion(const HybridSystem& system, const AverageStart& start, const FlowOptions& flow);
-  FrameMotion(HybridSystem&&, const AverageStart&, const FlowOptions&) = delete;
+  /// @throws std::invalid_argument if the start is not admissible.
+  FrameMotion(const SharedSystem& system, const AverageStart& start, const FlowOptions& flow);
 
   /// Carries the motion over the next periods. Periods that are not `counted` only turn the frame, and `parting` ones not even
   /// that.
@@ -85,7 +84,6 @@ class FrameMotion : public MotionGrowth<std::vector<BatchMeans>, std::vector<boo
  private:
   void end_interval(int interval);
 
-  const HybridSystem* system_;
   bool forced_;
   std::unique_ptr<Propagator> propagator_;
   Transition transition_;

@@ -29,7 +29,7 @@ constexpr std::size_t shortest_alone = 8;
 class LaneMotions : public Average<LaneMotion> {
  public:
   LaneMotions(const AverageStart& start, std::size_t set, const LyapunovOptions& options, double period)
-      : Average(motions_from(start, set, options), 2, options, period), options_(options) {}
+      : Average(motions_from(start, set, options), 2, options, period) {}
 
   /// Writes the present states of the motions.
   void ask(std::vector<MotionStart>& next) const {
@@ -39,10 +39,10 @@ class LaneMotions : public Average<LaneMotion> {
 
   /// Tells `many` how many periods will follow, once that is known.
   void announce(LaneCarrier& many, std::size_t parameters) {
-    const bool to_the_end = options_.standard_error == 0.0 && options_.change == 0.0;
+    const bool to_the_end = options().standard_error == 0.0 && options().change == 0.0;
     if (announced_ || (!to_the_end && periods() < lasting)) return;
     announced_ = true;
-    many.expect(parameters, options_.max_periods - periods());
+    many.expect(parameters, options().max_periods - periods());
   }
 
   /// Adds the results of `periods` more periods of each motion, motion by motion.
@@ -53,7 +53,7 @@ class LaneMotions : public Average<LaneMotion> {
       in_parallel(parts, [&](std::size_t part) {
         for (std::size_t i = part * all.size() / parts; i < (part + 1) * all.size() / parts; ++i) {
           const std::span<const PeriodResult> next(&results[i * periods + begin], count);
-          tangents ? all[i].add(next, counted, options_.interval) : all[i].pass(next);
+          tangents ? all[i].add(next, counted, options().interval) : all[i].pass(next);
         }
       });
     });
@@ -66,15 +66,14 @@ class LaneMotions : public Average<LaneMotion> {
     return motions;
   }
 
-  const LyapunovOptions& options_;
   bool announced_ = false;
 };
 
 /// All motions of an average by Propagators.
 class FrameMotions : public Average<FrameMotion> {
  public:
-  FrameMotions(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options, int motions)
-      : Average(motions_from(system, start, options, motions), system.states, options,
+  FrameMotions(const SharedSystem& system, const AverageStart& start, const LyapunovOptions& options, int motions)
+      : Average(motions_from(system, start, options, motions), system->states, options,
                 is_forced(system) ? forcing_period(system, start.p) : 0.0),
         interval_(options.interval), threads_(options.all_threads ? available_threads() : 1) {}
 
@@ -96,7 +95,7 @@ class FrameMotions : public Average<FrameMotion> {
   }
 
  private:
-  static std::vector<FrameMotion> motions_from(const HybridSystem& system, const AverageStart& start,
+  static std::vector<FrameMotion> motions_from(const SharedSystem& system, const AverageStart& start,
                                                const LyapunovOptions& options, int motions) {
     std::vector<FrameMotion> all;
     for (int i = 0; i < motions; ++i) all.emplace_back(system, AverageStart{start.p, neighbour(system, start, i)}, options.flow);

@@ -7,7 +7,7 @@
 
 namespace graze {
 
-RowRunner::RowRunner(const HybridSystem& system, RowRunnerOptions options) : system_(system), options_(std::move(options)) {}
+RowRunner::RowRunner(const SharedSystem& system, RowRunnerOptions options) : system_(system), options_(std::move(options)) {}
 
 void RowRunner::give(const std::vector<std::shared_ptr<Row>>& rows) {
   const std::lock_guard lock(mutex_);

@@ -34,9 +34,7 @@ struct RowRunnerOptions {
 
 class RowRunner {
  public:
-  /// The caller keeps the system alive.
-  RowRunner(const HybridSystem& system, RowRunnerOptions options);
-  RowRunner(HybridSystem&&, RowRunnerOptions) = delete;
+  RowRunner(const SharedSystem& system, RowRunnerOptions options);
   RowRunner(const RowRunner&) = delete;
   RowRunner& operator=(const RowRunner&) = delete;
 
@@ -74,7 +72,7 @@ class RowRunner {
   void tell(Lock& lock);
   bool cancelled() const { return failed_ || (options_.cancelled && options_.cancelled()); }
 
-  const HybridSystem& system_;
+  const SharedSystem system_;
   const RowRunnerOptions options_;
 
   mutable Mutex mutex_;  ///< guards all members below and the rows, except their chains

@@ -32,10 +32,9 @@ bool is_on_edge(const Attractor& attractor) {
 
 }  // namespace
 
-SweepChain::SweepChain(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
-                       SweepDirection direction)
-    : system_(system), options_(options), parameter_(parameter_index(system.parameters, options.parameter)), p_(p), start_(start),
-      values_(sweep_values(options.from, options.to, options.step)) {
+SweepChain::SweepChain(const SharedSystem& system, Vector p, Vector start, SweepOptions options, SweepDirection direction)
+    : system_(system), options_(std::move(options)), parameter_(parameter_index(system->parameters, options_.parameter)),
+      p_(std::move(p)), start_(std::move(start)), values_(sweep_values(options_.from, options_.to, options_.step)) {
   if (direction == SweepDirection::down) std::reverse(values_.begin(), values_.end());
 }
 

@@ -13,10 +13,8 @@ namespace graze {
 
 class SweepChain : public RowChain {
  public:
-  /// References to all but `direction` are kept.
-  SweepChain(const HybridSystem& system, const Vector& p, const Vector& start, const SweepOptions& options,
+  SweepChain(const SharedSystem& system, Vector p, Vector start, SweepOptions options,
              SweepDirection direction);
-  SweepChain(HybridSystem&&, const Vector&, const Vector&, const SweepOptions&, SweepDirection) = delete;
 
   double value(std::size_t number) const { return values_[number]; }
 
@@ -37,10 +35,10 @@ class SweepChain : public RowChain {
                               const std::function<void(const Vector& state)>& publish) const;
   MotionTask<std::optional<Vector>> carry_on(TaskSlot& slot, const Vector& p, const Vector& state, int periods) const;
 
-  const HybridSystem& system_;
-  const SweepOptions& options_;
+  SharedSystem system_;
+  SweepOptions options_;
   std::size_t parameter_;
-  const Vector &p_, &start_;
+  Vector p_, start_;
   std::vector<double> values_;
 };
 

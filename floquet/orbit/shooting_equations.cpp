@@ -8,9 +8,9 @@
 
 namespace graze {
 
-ShootingEquations::ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes,
+ShootingEquations::ShootingEquations(const SharedSystem& system, const Vector& p, int period, int nodes,
                                      const std::vector<std::size_t>& free, const FlowOptions& options, double section_phase)
-    : propagator_(system, p, free, options), n_(static_cast<int>(system.states)), nodes_(nodes > 0 ? nodes : period),
+    : propagator_(system, p, free, options), n_(static_cast<int>(system->states)), nodes_(nodes > 0 ? nodes : period),
       period_(period), section_phase_(section_phase), free_(free) {
   if (period < 1) throw std::invalid_argument(fmt::format("period n is {}; allowed is a whole number from 1", period));
   if (nodes < 0 || (nodes_ % period != 0 && period % nodes_ != 0))

@@ -19,10 +19,8 @@ class ShootingEquations {
   /// `nodes`: N, a multiple or divisor of n (0: N = n). `free`: indices of the free parameters. `section_phase`: s in
   /// [0, 1), forcing phase of the first node over 2 pi. No node may lie at a hard impact, across which the state at a fixed
   /// phase jumps.
-  ShootingEquations(const HybridSystem& system, const Vector& p, int period, int nodes = 0,
+  ShootingEquations(const SharedSystem& system, const Vector& p, int period, int nodes = 0,
                     const std::vector<std::size_t>& free = {}, const FlowOptions& options = {}, double section_phase = 0.0);
-  ShootingEquations(HybridSystem&&, const Vector&, int, int = 0, const std::vector<std::size_t>& = {}, const FlowOptions& = {},
-                    double = 0.0) = delete;
 
   int states() const { return n_; }
   int nodes() const { return nodes_; }

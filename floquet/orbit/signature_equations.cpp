@@ -35,9 +35,9 @@ std::vector<std::vector<const Constraint*>> held_all_along(const HybridSystem& s
 
 }  // namespace
 
-SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
+SignatureEquations::SignatureEquations(const SharedSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
                                        const std::vector<std::size_t>& free, const FlowOptions& options)
-    : propagator_(system, p, free, options), n_(static_cast<int>(system.states)), period_(period), sequence_(std::move(events)),
+    : propagator_(system, p, free, options), n_(static_cast<int>(system->states)), period_(period), sequence_(std::move(events)),
       free_(free) {
   if (!is_forced(system))
     throw std::invalid_argument("a signature with fixed period needs a forced system; this one is autonomous");
@@ -45,8 +45,8 @@ SignatureEquations::SignatureEquations(const HybridSystem& system, const Vector&
   if (sequence_.empty()) throw std::invalid_argument("a signature without events has no nodes; use ShootingEquations");
   if (const auto k = first_break(system, sequence_))
     throw std::invalid_argument(fmt::format("event {} does not lead to the mode in which event {} can follow",
-                                            system.events[sequence_[*k]].name,
-                                            system.events[sequence_[(*k + 1) % sequence_.size()]].name));
+                                            system->events[sequence_[*k]].name,
+                                            system->events[sequence_[(*k + 1) % sequence_.size()]].name));
   held_ = held_all_along(system, sequence_);
 }
 

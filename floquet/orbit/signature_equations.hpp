@@ -20,7 +20,7 @@ class SignatureEquations {
  public:
   /// `events`: indices in HybridSystem::events, in order; each starts in the mode to which the one before it leads. `free`:
   /// indices of the free parameters, at least one. @throws std::invalid_argument for events that do not fit together.
-  SignatureEquations(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
+  SignatureEquations(const SharedSystem& system, const Vector& p, int period, std::vector<std::size_t> events,
                      const std::vector<std::size_t>& free, const FlowOptions& options = {});
 
   int states() const { return n_; }

@@ -55,9 +55,9 @@ const char* Flow::kind() const {
   }
 }
 
-Flow make_flow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+Flow make_flow(const SharedSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
                const FlowOptions& options) {
-  const Mode& description = system.modes[mode];
+  const Mode& description = system->modes[mode];
   if (options.kind != FlowKind::general && description.structure) {
     const ModeStructure structure = description.structure(p);
     if (const auto* linear = std::get_if<LinearOscillator>(&structure);

@@ -8,7 +8,7 @@
 // and `divergence` is the integral of trace(f_x), so that ln det Phi = divergence (Liouville), computed independently.
 #pragma once
 
-#include <graze/lib/system/hybrid_system.hpp>
+#include <graze/lib/system/shared_system.hpp>
 
 #include <functional>
 #include <memory>
@@ -82,14 +82,12 @@ class Flow {
  private:
   struct Kind;
   explicit Flow(std::unique_ptr<Kind> kind);
-  friend Flow make_flow(const HybridSystem&, std::size_t, const Vector&, std::span<const std::size_t>, const FlowOptions&);
+  friend Flow make_flow(const SharedSystem&, std::size_t, const Vector&, std::span<const std::size_t>, const FlowOptions&);
   std::unique_ptr<Kind> kind_;
 };
 
-/// The flow of one mode at parameters p; `active` are the parameters for which Psi is wanted. It refers to the system, which
-/// therefore is no temporary.
-Flow make_flow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+/// The flow of one mode at parameters p; `active` are the parameters for which Psi is wanted. It holds the system.
+Flow make_flow(const SharedSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
                const FlowOptions& options = {});
-Flow make_flow(HybridSystem&&, std::size_t, const Vector&, std::span<const std::size_t>, const FlowOptions& = {}) = delete;
 
 }  // namespace graze

@@ -52,8 +52,8 @@ template <class F> double brent(F&& f, double lo, double hi) {
 }  // namespace
 
 struct GeneralFlow::Integrator {
-  const HybridSystem& system;
-  const Mode& mode;
+  SharedSystem system;
+  const Mode& mode;  // of the system
   Vector p;
   std::vector<std::size_t> active;
   FlowOptions options;
@@ -69,20 +69,20 @@ struct GeneralFlow::Integrator {
   std::size_t evaluations = 0;
   double max_step;
 
-  Integrator(const HybridSystem& s, std::size_t index, const Vector& parameters, std::span<const std::size_t> act,
+  Integrator(const SharedSystem& s, std::size_t index, const Vector& parameters, std::span<const std::size_t> act,
              const FlowOptions& o)
-      : system(s), mode(s.modes[index]), p(parameters), active(act.begin(), act.end()), options(o),
-        n(static_cast<Eigen::Index>(s.states)), m(static_cast<Eigen::Index>(act.size())), x(n), f(n), A(n, n),
-        f_p(n, static_cast<Eigen::Index>(s.parameters.size())) {
+      : system(s), mode(s->modes[index]), p(parameters), active(act.begin(), act.end()), options(o),
+        n(static_cast<Eigen::Index>(s->states)), m(static_cast<Eigen::Index>(act.size())), x(n), f(n), A(n, n),
+        f_p(n, static_cast<Eigen::Index>(s->parameters.size())) {
     switch_off_gsl_abort();
-    for (std::size_t i = 0; i < s.events.size(); ++i)
-      if (s.events[i].from == index) events.push_back(i);
+    for (std::size_t i = 0; i < s->events.size(); ++i)
+      if (s->events[i].from == index) events.push_back(i);
     max_step = options.max_step;
     if (max_step <= 0.0) max_step = is_forced(s) ? forcing_period(s, p) / 16.0 : std::numeric_limits<double>::infinity();
     const auto largest = static_cast<std::size_t>(size(Sensitivity::state_and_parameters));
     for (auto* v : {&y, &y_next, &error, &slope, &slope_next}) v->resize(largest);
-    y_state.resize(s.states);
-    error_state.resize(s.states);
+    y_state.resize(s->states);
+    error_state.resize(s->states);
   }
 
   Eigen::Index size(Sensitivity sensitivity) const {
@@ -186,7 +186,7 @@ struct GeneralFlow::Integrator {
   }
 };
 
-GeneralFlow::GeneralFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+GeneralFlow::GeneralFlow(const SharedSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
                          const FlowOptions& options)
     : integrator_(std::make_unique<Integrator>(system, mode, p, active, options)) {}
 GeneralFlow::GeneralFlow(GeneralFlow&&) noexcept = default;
@@ -217,7 +217,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     out.x1 = I.origin + Eigen::Map<const Vector>(last, n);
     out.evaluations = I.evaluations;
     if (end == FlowEnd::event) {
-      const auto& level = I.system.events[out.event].guard.level;
+      const auto& level = I.system->events[out.event].guard.level;
       if (level) out.x1[static_cast<Eigen::Index>(level->coordinate)] = I.p[static_cast<Eigen::Index>(level->level)];
     }
     if (task.sensitivity == Sensitivity::none) return;
@@ -229,7 +229,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
   const auto relative_error = [&] {  // largest local error of the last step, infinite if any is not a number
     double worst = 0.0, sum = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
-      const double start = i < I.system.states ? x0[static_cast<Eigen::Index>(i)] : 0.0;
+      const double start = i < I.system->states ? x0[static_cast<Eigen::Index>(i)] : 0.0;
       const double relative = std::abs(I.error[i]) / (1.0 + std::abs(start + I.y_next[i]));
       worst = std::max(worst, relative);
       sum += relative;
@@ -266,7 +266,7 @@ void GeneralFlow::carry(const FlowTask& task, const Vector& x0, Segment& out) {
     I.step_start = t;
     std::optional<double> crossing;
     for (const std::size_t event : task.watch_events ? std::span<const std::size_t>(I.events) : std::span<const std::size_t>()) {
-      const Guard& guard = I.system.events[event].guard;
+      const Guard& guard = I.system->events[event].guard;
       Integrator::Node a = I.node_at(guard, 0.0, I.y.data());
       if (first && std::abs(a.g) <= guard_width(guard_scale(guard, t, x0, I.p), t, x0)) {
         // A start on the guard that is not active (the Propagator has checked this) leaves it: rounding must not undo this.

@@ -15,7 +15,7 @@ namespace graze {
 
 class GeneralFlow {
  public:
-  GeneralFlow(const HybridSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
+  GeneralFlow(const SharedSystem& system, std::size_t mode, const Vector& p, std::span<const std::size_t> active,
               const FlowOptions& options);
   GeneralFlow(GeneralFlow&&) noexcept;
   GeneralFlow& operator=(GeneralFlow&&) noexcept;

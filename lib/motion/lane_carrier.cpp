@@ -72,13 +72,13 @@ bool LaneCarrier::applies(const HybridSystem& system, const Vector& p, const Flo
   return options.kind == FlowKind::automatic && lanes::lanes_support(system, p);
 }
 
-LaneCarrier::LaneCarrier(const HybridSystem& system, const FlowOptions& options, LaneWidth width)
-    : system_(&system), options_(options), width_(width) {
+LaneCarrier::LaneCarrier(const SharedSystem& system, const FlowOptions& options, LaneWidth width)
+    : system_(system), options_(options), width_(width) {
   lane_kernels(width);  // or throws
   validate(options);
 }
 
-std::unique_ptr<LaneCarrier> make_lane_carrier(const HybridSystem& system, std::span<const Vector> sets,
+std::unique_ptr<LaneCarrier> make_lane_carrier(const SharedSystem& system, std::span<const Vector> sets,
                                                const FlowOptions& options) {
   const auto supported = [&](const Vector& p) { return LaneCarrier::applies(system, p, options); };
   if (!std::all_of(sets.begin(), sets.end(), supported)) return nullptr;
@@ -175,7 +175,7 @@ bool LaneCarrier::carry_by_propagator(const lanes::Motion& motion, std::size_t p
   const std::lock_guard lock(left_over_lock_);
   ++left_over_;
   Set& set = *sets_[motion.parameters];
-  if (!set.propagator) set.propagator = std::make_unique<Propagator>(*system_, set.p, std::vector<std::size_t>{}, options_);
+  if (!set.propagator) set.propagator = std::make_unique<Propagator>(system_, set.p, std::vector<std::size_t>{}, options_);
   const bool first = period == 0;
   const PeriodResult& before = motion.result(first ? 0 : period - 1);
   const Vector at{{first ? motion.x : before.x, first ? motion.v : before.v}};

@@ -83,11 +83,9 @@ class LaneCarrier {
   /// Whether the lanes support the system at these parameters with these options.
   static bool applies(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
 
-  /// Refers to the system, which therefore is no temporary.
-  explicit LaneCarrier(const HybridSystem& system, const FlowOptions& options = {}, LaneWidth width = LaneWidth::widest);
-  explicit LaneCarrier(HybridSystem&&, const FlowOptions& = {}, LaneWidth = LaneWidth::widest) = delete;
+  explicit LaneCarrier(const SharedSystem& system, const FlowOptions& options = {}, LaneWidth width = LaneWidth::widest);
   ~LaneCarrier();
-  const HybridSystem& system() const { return *system_; }
+  const SharedSystem& system() const { return system_; }
   const FlowOptions& options() const { return options_; }
 
   /// Adds a parameter set and returns its index. @throws std::invalid_argument if applies() is false, or if the contact law
@@ -168,7 +166,7 @@ class LaneCarrier {
   /// Carries a period that the lanes gave up, by the Propagator. False: the motion ends in it.
   bool carry_by_propagator(const lanes::Motion& motion, std::size_t period, bool tangent);
 
-  const HybridSystem* system_;
+  SharedSystem system_;
   FlowOptions options_;
   LaneWidth width_;
   std::optional<lanes::Law> law_;  ///< common to all sets
@@ -189,7 +187,7 @@ class LaneCarrier {
 
 /// A carrier of motions in lanes, with these parameter sets at the indices 0, 1, ...; null if the lanes do not support the system
 /// at each of them: Propagators carry such motions.
-std::unique_ptr<LaneCarrier> make_lane_carrier(const HybridSystem& system, std::span<const Vector> sets,
+std::unique_ptr<LaneCarrier> make_lane_carrier(const SharedSystem& system, std::span<const Vector> sets,
                                                const FlowOptions& options = {});
 
 class LaneCarrier::Taken {

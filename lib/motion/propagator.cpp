@@ -22,18 +22,18 @@ constexpr int many_at_instant = 32, settle_at_instant = 256, most_at_instant = 5
 
 }  // namespace
 
-Propagator::Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active, const FlowOptions& options)
-    : system_(&system), active_(std::move(active)), options_(options), events_of_mode_(system.modes.size()) {
-  validate(system);
+Propagator::Propagator(const SharedSystem& system, const Vector& p, std::vector<std::size_t> active, const FlowOptions& options)
+    : system_(system), active_(std::move(active)), options_(options), events_of_mode_(system->modes.size()) {
+  validate(*system);
   validate(options);
   for (const std::size_t parameter : active_)
-    if (parameter >= system.parameters.size())
+    if (parameter >= system->parameters.size())
       throw std::invalid_argument(
           fmt::format("sensitivity in parameter number {} was asked for; system {} has {} (counted from 0)", parameter,
-                      system.name, system.parameters.size()));
-  const auto n = static_cast<Eigen::Index>(system.states);
-  for (std::size_t i = 0; i < system.events.size(); ++i) events_of_mode_[system.events[i].from].push_back(i);
-  is_return_.resize(system.events.size());
+                      system->name, system->parameters.size()));
+  const auto n = static_cast<Eigen::Index>(system->states);
+  for (std::size_t i = 0; i < system->events.size(); ++i) events_of_mode_[system->events[i].from].push_back(i);
+  is_return_.resize(system->events.size());
   if (!is_forced(system))
     for (const std::size_t event : returns_of(system)) is_return_[event] = true;
   for (Vector* v : {&f_minus_, &f_plus_, &gradient_, &f_dt_, &glance_}) v->resize(n);
@@ -49,7 +49,7 @@ void Propagator::set_parameters(const Vector& p) {
   lane_known_ = plus_known_ = false;
   flows_.clear();
   for (std::size_t mode = 0; mode < system_->modes.size(); ++mode)
-    flows_.push_back(make_flow(*system_, mode, p_, active_, options_));
+    flows_.push_back(make_flow(system_, mode, p_, active_, options_));
 }
 
 const lanes::Oscillator* Propagator::one_lane() {

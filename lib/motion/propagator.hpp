@@ -38,9 +38,8 @@ inline constexpr double at_once = 1e-12;
 
 class Propagator {
  public:
-  /// Refers to the system, which therefore is no temporary. `active` are the indices of the parameters for sensitivities.
-  Propagator(const HybridSystem& system, const Vector& p, std::vector<std::size_t> active = {}, const FlowOptions& options = {});
-  Propagator(HybridSystem&&, const Vector&, std::vector<std::size_t> = {}, const FlowOptions& = {}) = delete;
+  /// `active` are the indices of the parameters for sensitivities.
+  Propagator(const SharedSystem& system, const Vector& p, std::vector<std::size_t> active = {}, const FlowOptions& options = {});
 
   const HybridSystem& system() const { return *system_; }
   const Vector& parameters() const { return p_; }
@@ -117,7 +116,7 @@ class Propagator {
   void compose_saltation(const Vector& x_plus, const Vector& f_plus, std::span<const std::size_t> active);
   double guard_acceleration(const Guard& guard, std::size_t mode, double t, const Vector& x, const Vector& f);
 
-  const HybridSystem* system_;
+  SharedSystem system_;
   Vector p_;
   std::vector<std::size_t> active_;
   FlowOptions options_;

@@ -108,7 +108,7 @@ struct WatchedInLanes {
 
 /// Carries all motions at these parameters: together in lanes or, if these do not support the system, one after another.
 template <class Watch, class Cancelled>
-void carry_all_watched(const HybridSystem& system, const Vector& p, const FlowOptions& flow, const WatchedInLanes& in_lanes,
+void carry_all_watched(const SharedSystem& system, const Vector& p, const FlowOptions& flow, const WatchedInLanes& in_lanes,
                        std::vector<Watch>& watches, const Cancelled& cancelled) {
   const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, {&p, 1}, flow);
   if (!many) {

@@ -27,6 +27,8 @@ constexpr std::size_t long_computation = 4096;
 
 LaneCarrier& TaskSlot::motions() const { return pool_->motions_; }
 
+const SharedSystem& TaskSlot::system() const { return motions().system(); }
+
 void TaskSlot::set_parameters(const Vector& p, bool alone) {
   const LaneCarrier& lanes = motions();
   if (alone || pool_->alone_ || !LaneCarrier::applies(lanes.system(), p, lanes.options())) {
@@ -236,7 +238,7 @@ void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, st
   }
 }
 
-void run_tasks(const HybridSystem& system, const FlowOptions& options, bool all_threads, std::size_t count,
+void run_tasks(const SharedSystem& system, const FlowOptions& options, bool all_threads, std::size_t count,
                const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make) {
   const std::size_t parts = all_threads ? std::min(available_threads(), count) : 1;
   in_parallel(parts, [&](std::size_t part) {
@@ -246,7 +248,7 @@ void run_tasks(const HybridSystem& system, const FlowOptions& options, bool all_
   });
 }
 
-void run_alone(const HybridSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make) {
+void run_alone(const SharedSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make) {
   LaneCarrier lanes(system, options);
   TaskPool pool(lanes);
   pool.alone_ = true;

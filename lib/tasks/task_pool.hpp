@@ -76,6 +76,8 @@ class TaskSlot {
   Propagator& propagator() const { return *propagator_; }
   std::size_t parameters() const { return parameters_; }
   LaneCarrier& motions() const;
+  /// Of all motions of the pool.
+  const SharedSystem& system() const;
   MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
   /// Sets whether others wait for its result: the task is then served every round, even in a small batch.
   void hurry(bool others_wait) { urgent_ = others_wait; }
@@ -167,7 +169,7 @@ class TaskPool : RunSupply {
   void carry(std::span<const std::unique_ptr<Member>> members, bool tangent, std::size_t motions);
   void feed_lanes(TaskSlot::Run& run, std::size_t periods);
 
-  friend void run_alone(const HybridSystem& system, const FlowOptions& options,
+  friend void run_alone(const SharedSystem& system, const FlowOptions& options,
                         const std::function<MotionTask<>(TaskSlot&)>& make);
 
   LaneCarrier& motions_;
@@ -184,10 +186,10 @@ class TaskPool : RunSupply {
 
 /// Runs the tasks make(0, slot) ... make(count - 1, slot) on pools of their own: one, or one for each thread of the caller's
 /// arena. The results do not depend on it.
-void run_tasks(const HybridSystem& system, const FlowOptions& options, bool all_threads, std::size_t count,
+void run_tasks(const SharedSystem& system, const FlowOptions& options, bool all_threads, std::size_t count,
                const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make);
 
 /// Runs one task by itself; its motions are carried by a Propagator.
-void run_alone(const HybridSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make);
+void run_alone(const SharedSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make);
 
 }  // namespace graze

@@ -3,11 +3,11 @@
 #include "support/checks.hpp"
 
 #include <graze/lib/models/oscillator.hpp>
-#include <graze/lib/motion/lane_carrier.hpp>
 #include <graze/lib/motion/transition.hpp>
 
+#include <memory>
 #include <set>
-#include <type_traits>
+#include <utility>
 
 using namespace graze;
 using namespace graze::support;
@@ -64,11 +64,30 @@ TEST_CASE("the segments of a run join in time, state and mode with one event bet
   });
 }
 
-TEST_CASE("what refers to a system takes no temporary one") {
-  STATIC_REQUIRE(std::is_constructible_v<Propagator, const HybridSystem&, Vector>);
-  STATIC_REQUIRE_FALSE(std::is_constructible_v<Propagator, HybridSystem, Vector>);
-  STATIC_REQUIRE(std::is_constructible_v<LaneCarrier, HybridSystem&>);
-  STATIC_REQUIRE_FALSE(std::is_constructible_v<LaneCarrier, HybridSystem>);
+TEST_CASE("what computes with a system holds it") {
+  for_each_system([](const HybridSystem& system, const ContactLaw&) {
+    const Vector p = parameters_with_contacts(system);
+    const Vector start = vector({0.1, 0.9});
+    const auto carried = [&](Propagator propagator) {
+      Transition period;
+      carry_period(propagator, start, {.sensitivity = Sensitivity::state}, period);
+      return std::pair(period.x1, period.Phi);
+    };
+    const auto by_itself = carried(Propagator(system, p));
+    // A copy that ends before the motion is carried, and a system shared by two.
+    auto copy = std::make_unique<HybridSystem>(system);
+    Propagator of_copy(*copy, p), of_temporary(HybridSystem{system}, p);
+    Flow flow = make_flow(*copy, 0, p, {}, {.kind = FlowKind::general});
+    copy.reset();
+    CHECK(carried(std::move(of_copy)) == by_itself);
+    CHECK(carried(std::move(of_temporary)) == by_itself);
+    const SharedSystem shared(system);
+    CHECK(&Propagator(shared, p).system() == &*shared);
+    Vector field(start.size()), expected(start.size());
+    flow.field(0.0, start, field);
+    system.modes[0].field(0.0, start, p, expected);
+    CHECK(field == expected);
+  });
 }
 
 TEST_CASE("a run in two pieces equals the run in one") {
