@@ -25,10 +25,10 @@ struct SignatureStart {
 
 SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, const EventNodes& nodes, double value,
                           std::vector<std::size_t> added) {
-  SignatureStart out{{problem.system(), orbit.parameters, problem.period(), nodes.sequence, problem.parameter(), problem.scale(),
-                      problem.equations().options()},
-                     {},
-                     std::move(added)};
+  SignatureStart out{
+      {problem.system(), orbit.parameters, problem.period(), nodes.sequence, problem.free(), problem.equations().options()},
+      {},
+      std::move(added)};
   BranchStart& start = out.start;
   start.u = out.problem.pack(nodes, value);
   out.problem.pin_as(problem, start.u);
@@ -74,7 +74,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
     auto violation = lost ? std::nullopt : violation_beyond(single, options);
     while (violation && !violation->lost && violation->met && static_cast<int>(added.size()) < max_simultaneous_contacts) {
       const EventRecord& met = *violation->met;
-      double t = std::fmod(met.t, problem.equations().duration(grazing.u.head(grazing.u.size() - 1)));
+      double t = std::fmod(met.t, problem.equations().duration(problem.orbit_part(grazing.u)));
       const std::size_t place = nodes.insert(met.event, t, met.x_minus);
       for (std::size_t& other : added) other += other >= place ? 1 : 0;
       added.push_back(place);
@@ -167,7 +167,7 @@ std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGr
   std::vector<std::size_t> added;
   for (int k = 0; k < pattern.struck; ++k)
     added.push_back(nodes.insert(grazing.event, std::fmod(grazing.t, turn) + k * turn, grazing.touch));
-  SignatureStart start = start_with(problem, grazing.orbit, nodes, grazing.u[grazing.u.size() - 1], std::move(added));
+  SignatureStart start = start_with(problem, grazing.orbit, nodes, problem.value(grazing.u), std::move(added));
   if (violation_beyond(start, options)) return std::nullopt;
   return start.start;
 }

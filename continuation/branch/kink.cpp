@@ -97,7 +97,7 @@ std::optional<BeyondKink> beyond_kink(OrbitProblem& problem, const CurvePoint& l
                                       const TraceOptions& options, const std::function<bool()>& cancelled) {
   constexpr double off_tangent = 0.1;  // of the way from the kink
   const ZeroProblem zero = problem.zero_problem();
-  const Eigen::Index of_value = last.u.size() - 1;
+  const Eigen::Index of_value = problem.orbit_unknowns();
   const double onwards = std::copysign(1.0, last.tangent[of_value]);
   // An orbit back along the branch is also found from the branch that came here.
   const auto is_on_branch = [&](const Vector& u) {

@@ -14,10 +14,10 @@ double place_of(const ZeroProblem& zero, const CurvePoint& before, const Vector&
 }
 
 Vector at_value(BranchProblem& problem, Vector u, double value, const TraceOptions& options) {
-  u[u.size() - 1] = value;
+  u[problem.orbit_unknowns()] = value;
   const NewtonReport report = correct(problem.zero_problem(), problem.parameter_direction(), u, options);
   if (!report.converged()) return {};
-  u[u.size() - 1] = value;
+  u[problem.orbit_unknowns()] = value;
   return u;
 }
 
@@ -235,8 +235,7 @@ PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before
       return !found.confirmed || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
     };
     if (change > 1 && std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
-    const Vector along =
-        before.u + (value - before.u[before.u.size() - 1]) / (after.u - before.u)[before.u.size() - 1] * (after.u - before.u);
+    const Vector along = before.u + (value - problem.value(before.u)) / problem.value(after.u - before.u) * (after.u - before.u);
     const Vector& place = moved ? along : located.u;
     return {place_of(problem.zero_problem(), before, place), place,
             grazing_point(problem.system(), located, last.impacts, reached.impacts, branch)};

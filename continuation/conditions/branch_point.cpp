@@ -39,7 +39,7 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
   if (!(along.norm() > 0.0)) return std::nullopt;
   Vector direction = unit.cwiseInverse().cwiseProduct(kernel * Vector{{-along[1], along[0]}} / along.norm());
   Eigen::Index largest = 0;
-  direction.head(direction.size() - 1).cwiseAbs().maxCoeff(&largest);  // the sign of a side must not depend on rounding
+  problem.orbit_part(direction).cwiseAbs().maxCoeff(&largest);  // the sign of a side must not depend on rounding
   if (direction[largest] * side < 0.0) direction = -direction;
   // The crossing branch need not be normal to this one. If no push along the normal leads to it, the first correction, which
   // keeps the part along the normal, tells its direction.

@@ -33,6 +33,7 @@ Vector extended_residual(const ZeroProblem& problem, const Vector& u, double unf
 }  // namespace
 
 LocatedPoint locate_branch_point(BranchProblem& problem, const Vector& start) {
+  require_one_parameter(problem);
   LocatedPoint located;
   located.u = start;
   Vector residual;

@@ -214,8 +214,8 @@ std::vector<GrazingGuess> weakest_contacts(OrbitProblem& problem, const Vector& 
       const bool soft = parted || system.events[guess.event].kind == EventKind::enter;
       const std::size_t after = k + (soft ? 2 : 1);
       const double left = soft && k + 1 < events.size() ? events[k + 1].t : events[k].t;
-      const double length = equations.duration(u.head(u.size() - 1)) / problem.nodes();
-      const double next = after < events.size() ? events[after].t : equations.node_time(u.head(u.size() - 1), j) + length;
+      const double length = equations.duration(problem.orbit_part(u)) / problem.nodes();
+      const double next = after < events.size() ? events[after].t : equations.node_time(problem.orbit_part(u), j) + length;
       guess.t = 0.5 * (events[k].t + left);
       guess.t_resume = left + std::min(0.5 * (next - left), 0.05 * length);
       list.push_back(guess);
@@ -240,7 +240,7 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
   const HybridSystem& system = problem.system();
   ShootingEquations& equations = problem.equations();
   Propagator& propagator = equations.propagator();
-  const Vector shortened = u.head(u.size() - 1);
+  const Vector shortened = problem.orbit_part(u);
   const double length = equations.duration(shortened) / problem.nodes();
   const auto sorted = [&] {
     std::stable_sort(list.begin(), list.end(), [](const GrazingGuess& a, const GrazingGuess& b) { return a.gap < b.gap; });
@@ -300,6 +300,7 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
 
 LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess,
                               const std::vector<GrazingGuess>& together, const std::vector<GrazingGuess>& missed) {
+  require_one_parameter(problem);
   LocatedGrazing located;
   located.touches = 1 + static_cast<int>(together.size());
   located.u = start;
@@ -307,7 +308,8 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   const HybridSystem& system = problem.system();
   ShootingEquations& equations = problem.equations();
   const Guard& guard = system.events[guess.event].guard;
-  const Eigen::Index unknowns = problem.unknowns();
+  // The two conditions are the rows after the orbit's equations. The parameter's value is the column after the orbit's unknowns.
+  const Eigen::Index unknowns = problem.unknowns(), size = problem.orbit_unknowns();
   const int n = problem.states(), j = guess.stretch;
   double t = guess.t;
   double resume_after = guess.t_resume - guess.t;
@@ -321,7 +323,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
   // grazing.
   double miss = 0.0;
   const auto smallest_miss = [&] {
-    return 4.0 * guard_tolerance * (1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>());
+    return 4.0 * guard_tolerance * (1.0 + problem.orbit_part(located.u).lpNorm<Eigen::Infinity>());
   };
   if (resume_after == 0.0) miss = smallest_miss();
   // Error of the parameter's value by the steps of numerical flows: its change when the steps are halved. `row`: the
@@ -356,25 +358,25 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     at = guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, p, problem.parameter());
     const Vector x_dp = equations.fixed_time_dp(j, touch.Phi, touch.Psi).col(0);
     Matrix A = Matrix::Zero(unknowns + 1, unknowns + 1);
-    A.topLeftCorner(unknowns - 1, unknowns) = jacobian;
-    A.row(unknowns - 1).segment(j * n, n) = at.h_dx.transpose() * touch.Phi;
-    A.row(unknowns).segment(j * n, n) = at.rate_dx.transpose() * touch.Phi;
-    A(unknowns - 1, unknowns - 1) = at.h_dx.dot(x_dp) + at.h_dp;
-    A(unknowns, unknowns - 1) = at.rate_dx.dot(x_dp) + at.rate_dp;
+    A.topLeftCorner(size, unknowns) = jacobian;
+    A.row(size).segment(j * n, n) = at.h_dx.transpose() * touch.Phi;
+    A.row(size + 1).segment(j * n, n) = at.rate_dx.transpose() * touch.Phi;
+    A(size, size) = at.h_dx.dot(x_dp) + at.h_dp;
+    A(size + 1, size) = at.rate_dx.dot(x_dp) + at.rate_dp;
     Vector f(n);
     equations.propagator().field(touch.mode, touch.t, touch.x, f);
     located.curvature = at.rate_dx.dot(f) + at.rate_dt;
-    A(unknowns - 1, unknowns) = at.rate;
-    A(unknowns, unknowns) = located.curvature;
+    A(size, unknowns) = at.rate;
+    A(size + 1, unknowns) = located.curvature;
     Vector right(unknowns + 1);
     right << -residual, -at.h - miss, -at.rate;
-    scale = 1.0 + located.u.head(unknowns - 1).lpNorm<Eigen::Infinity>();
+    scale = 1.0 + problem.orbit_part(located.u).lpNorm<Eigen::Infinity>();
     const OrbitLU<Matrix> lu(A);
     NewtonIterate iterate{.residual = right.lpNorm<Eigen::Infinity>() / scale, .step = lu.solve(right)};
     if (!iterate.step.allFinite()) return iterate;
     iterate.length = iterate.step.lpNorm<Eigen::Infinity>() / scale;
-    last_step = iterate.step[unknowns - 1];
-    row = lu.solve_adjoint(Vector::Unit(unknowns + 1, unknowns - 1));
+    last_step = iterate.step[size];
+    row = lu.solve_adjoint(Vector::Unit(unknowns + 1, size));
     iterate.may_be_last = !(resume_after > 0.0 && iterate.length < near_touch && comes_with_event(problem, guess.event, touch));
     if (!iterate.may_be_last) {
       miss = smallest_miss();
@@ -395,7 +397,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     if (left > located.precision) located.precision += left;
   }
   if (located.confirmed) analyse(problem, guess, at, jacobian, located);
-  const Vector shortened = located.u.head(unknowns - 1);
+  const Vector shortened = problem.orbit_part(located.u);
   if (located.confirmed) {
     leave_out(equations);
     located.orbit = problem.orbit(located.u, located.newton);

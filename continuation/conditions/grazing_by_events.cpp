@@ -53,7 +53,7 @@ void add_others(SignatureProblem& problem, const Vector& u, std::vector<TouchTim
   Vector v;
   OrbitProblem& states = problem.stroboscopic(u, v);
   const ShootingEquations& equations = states.equations();
-  const Vector shortened = v.head(v.size() - 1);
+  const Vector shortened = states.orbit_part(v);
   const double duration = equations.duration(shortened), same = 0.01 * duration / equations.period();
   std::vector<GrazingGuess> found = near_misses(states, v, touching);
   for (const GrazingGuess& contact : weakest_contacts(states, v, problem.equations().events() + 8))
@@ -86,7 +86,7 @@ GrazingGuess guess_of(SignatureProblem& problem, const Vector& u, const TouchTim
     if (t < here && t >= guess.stretch * length) ++guess.events_before;
     if (t > here) next = std::min(next, t);
   }
-  const Vector shortened = v.head(v.size() - 1);
+  const Vector shortened = states.orbit_part(v);
   guess.t = states.equations().node_time(shortened, guess.stretch) + here - guess.stretch * length;
   guess.t_resume = guess.t + std::min(0.5 * (next - here), 0.05 * length);
   return guess;
@@ -202,7 +202,7 @@ std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, c
 /// Whether the extended system has found this grazing, and not a neighbouring one: the parameter values agree.
 bool agrees(const OrbitProblem& states, const LocatedGrazing& located, const Touching& touching) {
   constexpr double same = 1e-9;
-  const double value = touching.at[touching.at.size() - 1];
+  const double value = states.value(touching.at);
   return std::abs(states.value(located.u) - value) < same * (1.0 + std::abs(value)) + 10.0 * located.precision;
 }
 

@@ -69,12 +69,12 @@ Vector field_at_first_node(OrbitProblem& problem, const Vector& u) {
 bool is_equilibrium(OrbitProblem& problem, const Vector& u) {
   const Vector f = field_at_first_node(problem, u);
   if (f.size() == 0) return false;
-  return is_at_equilibrium(f, problem.equations().duration(u.head(u.size() - 1)), u.head(problem.states()));
+  return is_at_equilibrium(f, problem.equations().duration(problem.orbit_part(u)), u.head(problem.states()));
 }
 
 std::optional<double> locate_hopf(OrbitProblem& problem, const Vector& u) {
   const HybridSystem& system = problem.system();
-  const double begin = problem.value(u), duration = problem.equations().duration(u.head(u.size() - 1)) / problem.period();
+  const double begin = problem.value(u), duration = problem.equations().duration(problem.orbit_part(u)) / problem.period();
   Vector p = problem.equations().parameters();
   p[static_cast<Eigen::Index>(problem.parameter())] = begin;
   const std::optional<std::size_t> mode = mode_at(system, 0.0, u.head(problem.states()), p);

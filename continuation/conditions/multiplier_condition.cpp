@@ -60,8 +60,9 @@ Vector extended(const Vector& residual, Complex g, bool real) {
 }  // namespace
 
 LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, const MultiplierCondition& condition) {
-  const Eigen::Index unknowns = problem.unknowns(), extra = condition.theta_free ? 2 : 1;
-  const Eigen::Index size = unknowns - 1 + extra;
+  require_one_parameter(problem);
+  const Eigen::Index unknowns = problem.unknowns(), equations = problem.orbit_unknowns(), extra = condition.theta_free ? 2 : 1;
+  const Eigen::Index size = equations + extra;
   const bool real = !condition.theta_free;
   const auto sigma_at = [&](double theta) { return real ? Complex(std::cos(theta) < 0.0 ? -1.0 : 1.0) : std::polar(1.0, theta); };
   const ZeroProblem zero = problem.zero_problem();
@@ -87,27 +88,27 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
     K_scale = std::max(1.0, K.cwiseAbs().maxCoeff());
     const Eigen::VectorXcd g_u = -problem.cyclic_derivative(u, sigma, bordered.w, bordered.v);
     Matrix A = Matrix::Zero(size, size);
-    A.topLeftCorner(unknowns - 1, unknowns) = jacobian;
-    A.row(unknowns - 1).head(unknowns) = g_u.real().transpose();
+    A.topLeftCorner(equations, unknowns) = jacobian;
+    A.row(equations).head(unknowns) = g_u.real().transpose();
     Vector right(size);
-    right.head(unknowns - 1) = -residual;
-    right[unknowns - 1] = -bordered.g.real();
+    right.head(equations) = -residual;
+    right[equations] = -bordered.g.real();
     if (condition.theta_free) {
       // K is linear in sigma: dg/dtheta = -w^H (dK/dsigma) (i sigma) v.
       const Complex g_theta =
           -bordered.w.dot((problem.cyclic(u, 1.0) - problem.cyclic(u, 0.0)) * (Complex(0.0, 1.0) * sigma * bordered.v));
-      A.row(unknowns).head(unknowns) = g_u.imag().transpose();
-      A(unknowns - 1, unknowns) = g_theta.real();
-      A(unknowns, unknowns) = g_theta.imag();
-      right[unknowns] = -bordered.g.imag();
+      A.row(equations + 1).head(unknowns) = g_u.imag().transpose();
+      A(equations, unknowns) = g_theta.real();
+      A(equations + 1, unknowns) = g_theta.imag();
+      right[equations + 1] = -bordered.g.imag();
     }
     const OrbitLU<Matrix> lu(A);
     NewtonIterate at;
     at.residual = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(bordered.g) / K_scale);
     at.step = lu.solve(right);
     at.length = at.step.head(unknowns).lpNorm<Eigen::Infinity>() / scale;
-    sensitivity = lu.solve_adjoint(Vector::Unit(size, unknowns - 1));
-    last_step = at.step[unknowns - 1];
+    sensitivity = lu.solve_adjoint(Vector::Unit(size, equations));
+    last_step = at.step[equations];
     return at;
   };
   Vector v(size);
@@ -121,7 +122,7 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
   located.w = bordered.w;
   if (!located.newton.converged()) return located;
   // Effect of rounding in the equations on the parameter: the 1-norm of the parameter's row of the inverse Jacobian.
-  const double noise = scale * sensitivity.head(unknowns - 1).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>();
+  const double noise = scale * sensitivity.head(equations).lpNorm<1>() + K_scale * sensitivity.tail(extra).lpNorm<1>();
   const double by_steps =
       error_of_steps(problem, sensitivity, extended(residual, bordered.g, real), [&](BranchProblem& finer) -> Vector {
         Vector there;

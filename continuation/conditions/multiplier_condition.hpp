@@ -22,6 +22,7 @@ struct MultiplierCondition {
 };
 
 /// Newton's method on the extended system from `start`. If it fails, the report is not converged and the precision is 0.
+/// @throws std::invalid_argument unless the problem has one free parameter; so do all functions that locate a point.
 LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, const MultiplierCondition& condition);
 
 }  // namespace graze

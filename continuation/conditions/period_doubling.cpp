@@ -54,8 +54,8 @@ std::optional<NormalForm> extrapolate_differences(const std::function<std::optio
 std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   const int n = problem.states();
   ShootingEquations& equations = problem.equations();
-  const double duration = equations.duration(u.head(u.size() - 1));
-  const double start = equations.node_time(u.head(u.size() - 1), 0);
+  const double duration = equations.duration(problem.orbit_part(u));
+  const double start = equations.node_time(problem.orbit_part(u), 0);
   const Vector x0 = u.head(n);
   Transition transition;
   std::vector<std::size_t> sequence;
@@ -90,9 +90,9 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
 std::optional<NormalForm> normal_form_by_events(BranchProblem& problem, const LocatedPoint& located) {
   const BranchProblem::Doubled doubled = problem.doubled(located.u);
   const ZeroProblem zero = doubled.problem->zero_problem();
-  const Eigen::Index size = doubled.u.size() - 1, half = size / 2;
+  const Eigen::Index size = doubled.problem->orbit_unknowns(), half = size / 2;
   const Vector v = located.v.real(), w = located.w.real();
-  Vector phi = Vector::Zero(size + 1), psi(size);
+  Vector phi = Vector::Zero(doubled.u.size()), psi(size);
   phi.head(size) << v, -v;
   psi << w, -w;
   const auto jacobian = [&](double h) -> std::optional<Matrix> {

@@ -18,7 +18,8 @@ using Scalar = std::function<double(const BranchPoint& point)>;
 LocatedPoint locate_zero(BranchProblem& problem, const Vector& start, const Scalar& scalar) {
   constexpr double difference_step = 1e-6;
   const ZeroProblem zero = problem.zero_problem();
-  const Eigen::Index unknowns = problem.unknowns(), equations = unknowns - 1;
+  require_one_parameter(problem);
+  const Eigen::Index unknowns = problem.unknowns(), equations = problem.orbit_unknowns();
   const double scale = problem.state_scale(start);
   const auto g = [&](BranchProblem& of, const Vector& u) { return scalar(of.branch_point(u, 0.0)); };
   Vector F(unknowns), row;

@@ -447,7 +447,7 @@ class Graph {
     OrbitProblem states = problem_at(there);
     Branch branch = new_branch(task, there, birth.multiple * there.period, provisional_id);
     if (const std::optional<BranchStart> start = birth.start(point, on, states, task.direction, options_.trace)) {
-      const double value = start->u[start->u.size() - 1];
+      const double value = states.value(start->u);
       if (value < low_ || value > high_ || is_known(start->states, value)) return out;
       std::optional<OrbitProblem> longer;
       if (birth.multiple > 1) longer.emplace(problem_at(there, birth.multiple));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// BranchProblem: the periodic orbits in one parameter as solutions of H(u) = 0, a curve. It hides the choice of coordinates:
-// states at fixed phases (OrbitProblem), or times and states of the events of a fixed signature (SignatureProblem). The
-// parameter's value is the last unknown. Times and states are dimensionless.
+// BranchProblem: the periodic orbits in one or several free parameters as solutions of H(u) = 0. It hides the choice of
+// coordinates: states at fixed phases (OrbitProblem), or times and states of the events of a fixed signature (SignatureProblem).
+// The unknowns u are those of the orbit, then the values of the free parameters. There are as many equations as unknowns of the
+// orbit: with one free parameter the solutions are curves. With two of them, one condition more selects curves, such as the
+// period doublings in two parameters. Times and states are dimensionless.
 #pragma once
 
 #include <graze/continuation/problems/branch.hpp>
@@ -33,18 +35,29 @@ struct PinnedState {
   double value = 0.0;
 };
 
+/// A parameter whose value is an unknown.
+struct FreeParameter {
+  std::size_t index = 0;  ///< in HybridSystem::parameters
+  double scale = 1.0;     ///< unit of its changes in the arclength (usually the range that is followed); in its own unit
+};
+
 class BranchProblem {
  public:
   virtual ~BranchProblem() = default;
 
   const HybridSystem& system() const { return *system_; }
-  std::size_t parameter() const { return parameter_; }
-  /// Length by which changes of the parameter are measured in the arclength.
-  double scale() const { return scale_; }
+  /// The free parameters, at least one. The last unknowns are their values, in this order.
+  const std::vector<FreeParameter>& free() const { return free_; }
+  /// The first free parameter, in which a branch is followed: its index, and its unit in the arclength.
+  std::size_t parameter() const { return free_.front().index; }
+  double scale() const { return free_.front().scale; }
 
-  /// Number of unknowns, the parameter included. There is one equation fewer.
+  /// Number of unknowns, the values of the free parameters included.
   virtual Eigen::Index unknowns() const = 0;
-  /// The equations for the tracer. They refer to this object.
+  /// Number of the orbit's own unknowns and of the equations, and place of the first free parameter's value in u.
+  Eigen::Index orbit_unknowns() const { return unknowns() - std::ssize(free_); }
+  /// H(u) = 0 in the unknowns(). The tracer needs one equation fewer than unknowns: with k free parameters, k - 1 conditions are
+  /// to be added. The equations refer to this object.
   virtual ZeroProblem zero_problem() = 0;
   /// The orbit at u: the small record that a branch keeps, and the orbit with all its properties. Newton's report is that of u;
   /// none: the residual at u tells whether it is an orbit.
@@ -53,10 +66,10 @@ class BranchProblem {
   /// The same orbit in states at fixed phases; its unknowns are written to `out`. The reference is valid until the next call.
   virtual OrbitProblem& stroboscopic(const Vector& u, Vector& out) = 0;
 
-  /// K(sigma) at u: the derivative of the equations in the orbit's unknowns (square, without the parameter), with the link from
+  /// K(sigma) at u: the derivative of the equations in the orbit's unknowns (square, without the parameters), with the link from
   /// the last node to the first multiplied by sigma. K is singular if sigma is a multiplier. Evaluate the equations at u first.
   virtual Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) = 0;
-  /// left^H (dK/du_i) v for each unknown u_i (the parameter's value last), by central differences at u.
+  /// left^H (dK/du_i) v for each unknown u_i (the values of the free parameters last), by central differences at u.
   virtual Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                              const Eigen::VectorXcd& v) = 0;
   /// Whether the solution u is a motion. A solution with a fixed signature may pass through a barrier.
@@ -107,14 +120,24 @@ class BranchProblem {
   /// Dimensionless time simulated so far, as a measure of cost.
   virtual double time_carried() const = 0;
 
-  double value(const Vector& u) const { return u[u.size() - 1]; }
-  /// Unit vector along the parameter's value.
-  Vector parameter_direction() const { return Vector::Unit(unknowns(), unknowns() - 1); }
+  /// The parts of u: the unknowns of the orbit, the values of the free parameters, and the value of the first one. u may also be
+  /// given in other coordinates with the same free parameters.
+  Eigen::VectorBlock<const Vector> orbit_part(const Vector& u) const { return u.head(u.size() - std::ssize(free_)); }
+  Eigen::VectorBlock<const Vector> values(const Vector& u) const { return u.tail(std::ssize(free_)); }
+  double value(const Vector& u) const { return u[u.size() - std::ssize(free_)]; }
+  /// Unit vector along the value of the first free parameter.
+  Vector parameter_direction() const { return Vector::Unit(unknowns(), orbit_unknowns()); }
 
  protected:
-  BranchProblem(const HybridSystem& system, Vector p, std::size_t parameter, double scale)
-      : system_(&system), p_(std::move(p)), parameter_(parameter), scale_(scale) {}
+  /// @throws std::invalid_argument unless `free` names at least one parameter of the system, and none twice.
+  BranchProblem(const HybridSystem& system, Vector p, std::vector<FreeParameter> free);
 
+  /// Indices of the free parameters, for the equations.
+  std::vector<std::size_t> free_indices() const;
+  /// Writes the values of the free parameters to the end of u. @throws std::invalid_argument for the wrong number of values.
+  void set_values(Vector& u, const Vector& values) const;
+  /// Sets the weights of the free parameters' values in the arclength.
+  void weigh_values(Vector& weights) const;
   /// The parameters of the orbit at u. A value that rounding of the corrector has carried just beyond the parameter's range is
   /// put back onto its end.
   Vector parameters_at(const Vector& u) const;
@@ -170,13 +193,16 @@ class BranchProblem {
   }
 
   const HybridSystem* system_;
-  Vector p_;  ///< with the value set last
-  std::size_t parameter_;
-  double scale_;
+  Vector p_;  ///< with the values set last
+  std::vector<FreeParameter> free_;
   std::string failure_;              ///< of the last evaluation
   double size_ = 1.0;                ///< see measure_by
   std::vector<PinnedState> pinned_;  ///< see pin
 };
+
+/// @throws std::invalid_argument unless the problem has one free parameter: a bifurcation is a point in one parameter, and a
+/// curve in two.
+void require_one_parameter(const BranchProblem& problem);
 
 /// Rounding of one evaluation of an orbit's equations, relative to 1 + |x|: ten times the measured scatter of a period's map.
 inline constexpr double rounding_of_equations = 1e-14;

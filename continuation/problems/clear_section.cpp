@@ -42,7 +42,7 @@ double clear_section(OrbitProblem& problem, const Vector& u) {
   const double current = problem.equations().section_phase();
   if (!problem.evaluate(u, {.sensitivity = Sensitivity::none, .keep_events = true})) return current;
   // Places of the events within their stretches, as fractions from the start of the stretch.
-  const Vector shortened = u.head(u.size() - 1);
+  const Vector shortened = problem.orbit_part(u);
   const double length = problem.equations().duration(shortened) / problem.nodes();
   std::vector<double> places;
   for (int j = 0; j < problem.nodes(); ++j)

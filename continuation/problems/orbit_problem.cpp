@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 namespace graze {
 
@@ -27,12 +28,16 @@ bool holds(const HybridSystem& system, const std::vector<Constraint>& constraint
 
 }  // namespace
 
+OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::vector<FreeParameter> free,
+                           const FlowOptions& options, double section_phase)
+    : BranchProblem(system, p, std::move(free)), equations_(system, p, period, nodes, free_indices(), options, section_phase) {}
+
 OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
                            double scale, const FlowOptions& options, double section_phase)
-    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, nodes, {parameter}, options, section_phase) {}
+    : OrbitProblem(system, p, period, nodes, {{parameter, scale}}, options, section_phase) {}
 
 OrbitProblem OrbitProblem::with_section(double section_phase) const {
-  OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, equations_.options(), section_phase);
+  OrbitProblem other(system(), p_, period(), nodes(), free_, equations_.options(), section_phase);
   other.measure_as(*this);
   return other;
 }
@@ -40,7 +45,7 @@ OrbitProblem OrbitProblem::with_section(double section_phase) const {
 std::optional<Vector> OrbitProblem::carried_on(const Vector& u, double ahead) {
   const int n = states();
   if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
-  const Vector shortened = u.head(u.size() - 1);
+  const Vector shortened = orbit_part(u);
   Vector out = u;
   Transition transition;
   for (int j = 0; j < nodes(); ++j) {
@@ -56,7 +61,7 @@ std::optional<Vector> OrbitProblem::carried_on(const Vector& u, double ahead) {
 std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector& u) {
   const int n = states(), N = nodes();
   if (!set_value(equations_, u)) return std::nullopt;
-  const double T = equations_.duration(u.head(u.size() - 1)) / period(), length = T * period() / N;
+  const double T = equations_.duration(orbit_part(u)) / period(), length = T * period() / N;
   // Each new node lies on a stretch that begins at an old node, `ahead` after it.
   double ahead = std::fmod((other.equations_.section_phase() - equations_.section_phase()) * T, length);
   if (ahead < 0.0) ahead += length;
@@ -72,15 +77,14 @@ std::optional<Vector> OrbitProblem::to_section(OrbitProblem& other, const Vector
 OrbitProblem OrbitProblem::in_half_steps() const {
   FlowOptions options = equations_.options();
   options.tolerance *= half_steps;
-  OrbitProblem other(system(), p_, period(), nodes(), parameter_, scale_, options, equations_.section_phase());
+  OrbitProblem other(system(), p_, period(), nodes(), free_, options, equations_.section_phase());
   other.measure_as(*this);
   other.equations_.copy_phase_condition(equations_);
   return other;
 }
 
 OrbitProblem OrbitProblem::with_nodes(int times) const {
-  OrbitProblem finer(system(), p_, period(), times * nodes(), parameter_, scale_, equations_.options(),
-                     equations_.section_phase());
+  OrbitProblem finer(system(), p_, period(), times * nodes(), free_, equations_.options(), equations_.section_phase());
   finer.measure_as(*this);
   return finer;
 }
@@ -88,7 +92,7 @@ OrbitProblem OrbitProblem::with_nodes(int times) const {
 std::optional<Vector> OrbitProblem::to_nodes(OrbitProblem& finer, const Vector& u) {
   const int times = finer.nodes() / nodes();
   if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
-  const Vector shortened = u.head(u.size() - 1);
+  const Vector shortened = orbit_part(u);
   const double length = equations_.duration(shortened) / finer.nodes();
   std::vector<Vector> nodes_there;
   Transition transition;
@@ -102,62 +106,25 @@ std::optional<Vector> OrbitProblem::to_nodes(OrbitProblem& finer, const Vector& 
       nodes_there.push_back(transition.x1);
     }
   }
-  return finer.pack(nodes_there, equations_.duration(shortened), value(u));
+  return finer.pack(nodes_there, equations_.duration(shortened), values(u));
 }
 
-Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, double value) const {
+Vector OrbitProblem::pack(const std::vector<Vector>& nodes, double duration, const Vector& values) const {
   if (static_cast<int>(nodes.size()) != this->nodes())
     throw std::invalid_argument(fmt::format("{} nodes were given; these equations have {}", nodes.size(), this->nodes()));
   Vector u(unknowns());
   const int n = states();
   for (int j = 0; j < this->nodes(); ++j) u.segment(j * n, n) = nodes[static_cast<std::size_t>(j)];
   if (equations_.autonomous()) u[n * this->nodes()] = duration;
-  u[u.size() - 1] = value;
+  set_values(u, values);
   return u;
-}
-
-std::vector<PinnedState> BranchProblem::kept_states(const Vector& u, const Matrix& jacobian) const {
-  const Layout at = layout();
-  const auto kept = [&](const KeptState& one) {
-    // Of the columns of times and parameters: the sum over all stretches, and that of the absolute values.
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(jacobian.cols()), size = sum;
-    for (Eigen::Index j = 0; j < at.nodes; ++j) {
-      Eigen::RowVectorXd row = one.row(jacobian, j * at.block);
-      const double rounding = one.rounding(row);
-      row.segment(j * at.block + at.before, at.states) -= one.gradient(at.states);
-      row.segment((j + 1) % at.nodes * at.block + at.before, at.states) += one.gradient(at.states);
-      for (Eigen::Index k = 0; k < at.nodes; ++k) {
-        auto states = row.segment(k * at.block + at.before, at.states);
-        if (states.lpNorm<Eigen::Infinity>() > rounding) return false;
-        states.setZero();
-      }
-      sum += row;
-      size += row.cwiseAbs();
-    }
-    constexpr double rounding_of_sum = 1e-10;
-    return (sum.array().abs() <= rounding_of_sum * (1.0 + size.array())).all();
-  };
-  std::vector<PinnedState> list;
-  for (const KeptState& one : find_kept_states(at.states, kept)) list.push_back({one, one.of(u.segment(at.before, at.states))});
-  return list;
-}
-
-Vector BranchProblem::parameters_at(const Vector& u) const {
-  constexpr double slack = 1e-13;
-  const ParameterInfo& info = system().parameters[parameter_];
-  Vector p = p_;
-  double& value = p[static_cast<Eigen::Index>(parameter_)];
-  value = u[u.size() - 1];
-  if (value < info.lower && value > info.lower - slack * (1.0 + std::abs(info.lower)) && !info.lower_open) value = info.lower;
-  if (value > info.upper && value < info.upper + slack * (1.0 + std::abs(info.upper))) value = info.upper;
-  return p;
 }
 
 bool OrbitProblem::evaluate(const Vector& u, const TransitionOptions& options) {
   if (!set_value(equations_, u)) return false;
   // At the start of a branch there is no earlier orbit to which the phase condition could refer.
   if (equations_.autonomous() && !equations_.has_phase_reference()) equations_.set_phase_reference(u.head(states()));
-  if (equations_.evaluate(u.head(u.size() - 1), options)) return true;
+  if (equations_.evaluate(orbit_part(u), options)) return true;
   failure_ = termination_text(equations_.failure());
   return false;
 }
@@ -166,7 +133,7 @@ std::string OrbitProblem::failure() const { return failure_; }
 
 bool OrbitProblem::residual(const Vector& u, Vector& residual, Matrix* jacobian) {
   if (!evaluate(u, {.sensitivity = jacobian ? Sensitivity::state_and_parameters : Sensitivity::none})) return false;
-  equations_.residual(u.head(u.size() - 1), residual);
+  equations_.residual(orbit_part(u), residual);
   pin_residual(u, residual);
   if (jacobian) {
     equations_.jacobian(*jacobian);
@@ -200,7 +167,7 @@ ZeroProblem OrbitProblem::zero_problem() {
   // The mean over the nodes: the arclength does not depend on their number.
   problem.weights = Vector::Constant(unknowns(), 1.0 / (nodes() * size_ * size_));
   problem.size = size_;
-  problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
+  weigh_values(problem.weights);
   return problem;
 }
 
@@ -208,7 +175,7 @@ PeriodicOrbit OrbitProblem::orbit(const Vector& u, const std::optional<NewtonRep
   p_ = parameters_at(u);
   equations_.set_parameters(p_);
   if (equations_.autonomous()) equations_.set_phase_reference(u.head(states()));
-  const Vector unknowns = u.head(u.size() - 1);
+  const Vector unknowns = orbit_part(u);
   return report ? describe_orbit(equations_, unknowns, *report) : describe_orbit(equations_, unknowns);
 }
 
@@ -266,7 +233,7 @@ std::vector<BranchProblem::Image> OrbitProblem::images(const Vector& u, const Ve
 }
 
 BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
-  auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), parameter_, scale_, equations_.options(),
+  auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), free_, equations_.options(),
                                                 equations_.section_phase());
   problem->measure_as(*this);
   const std::vector<Vector> nodes_twice = [&] {
@@ -274,7 +241,7 @@ BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
     for (int j = 0; j < 2 * nodes(); ++j) list.push_back(equations_.node(u, j % nodes()));
     return list;
   }();
-  Vector twice = problem->pack(nodes_twice, 2.0 * equations_.duration(u), value(u));
+  Vector twice = problem->pack(nodes_twice, 2.0 * equations_.duration(u), values(u));
   return {std::move(problem), std::move(twice)};
 }
 
@@ -293,11 +260,11 @@ Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<d
     return w.segment(j * n, n).dot(Phi.cast<std::complex<double>>() * v.segment(j * n, n));
   };
   const TransitionOptions tangent{.sensitivity = Sensitivity::state};
-  // A node affects its own stretch only. The parameter (and the duration) affect all stretches.
+  // A node affects its own stretch only. The parameters (and the duration) affect all stretches.
   if (!evaluate(u, tangent)) return derivative;
   Transition moved;
   for (int j = 0; j < N; ++j) {
-    const Vector shortened = u.head(u.size() - 1);
+    const Vector shortened = orbit_part(u);
     const double start = equations_.node_time(shortened, j), length = equations_.duration(shortened) / N;
     for (int k = 0; k < n; ++k) {
       std::complex<double> side[2];

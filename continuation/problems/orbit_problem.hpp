@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OrbitProblem: periodic orbits in one parameter, in states at fixed phases. The unknowns are u = (x_0, ..., x_{N-1} [, D],
-// value) with N nodes and, for an autonomous system, the duration D. H are the shooting equations (ShootingEquations).
+// OrbitProblem: periodic orbits in free parameters, in states at fixed phases. The unknowns are u = (x_0, ..., x_{N-1} [, D],
+// values) with N nodes, for an autonomous system the duration D, and the values of the free parameters. H are the shooting
+// equations (ShootingEquations).
 //
 // All bifurcations of multipliers are conditions on the cyclic matrix (n N x n N for n states)
 //     K(sigma) v = (Phi_j v_j - v_{j+1}, j < N - 1;  Phi_{N-1} v_{N-1} - sigma v_0),
@@ -16,8 +17,13 @@ namespace graze {
 
 class OrbitProblem : public BranchProblem {
  public:
-  /// `parameter`: index of the continuation parameter. `scale`: unit of the parameter in the arclength (usually the range that
-  /// is followed). `section_phase`: forcing phase of the first node over 2 pi.
+  /// `free`: the free parameters. `section_phase`: forcing phase of the first node over 2 pi. @throws std::invalid_argument as
+  /// BranchProblem and ShootingEquations do.
+  OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::vector<FreeParameter> free,
+               const FlowOptions& options = {}, double section_phase = 0.0);
+  OrbitProblem(HybridSystem&&, const Vector&, int, int, std::vector<FreeParameter>, const FlowOptions& = {},
+               double = 0.0) = delete;
+  /// With one free parameter.
   OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
                const FlowOptions& options = {}, double section_phase = 0.0);
   OrbitProblem(HybridSystem&&, const Vector&, int, int, std::size_t, double, const FlowOptions& = {}, double = 0.0) = delete;
@@ -37,17 +43,21 @@ class OrbitProblem : public BranchProblem {
   OrbitProblem with_nodes(int times) const;
   std::optional<Vector> to_nodes(OrbitProblem& finer, const Vector& u);
 
-  Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
+  Eigen::Index unknowns() const override { return equations_.unknowns() + std::ssize(free_); }
   int period() const { return equations_.period(); }
   int nodes() const { return equations_.nodes(); }
   int states() const { return equations_.states(); }
   ShootingEquations& equations() { return equations_; }
 
-  /// The unknowns u from their parts. @throws std::invalid_argument for the wrong number of nodes.
-  Vector pack(const std::vector<Vector>& nodes, double duration, double value) const;
-  /// Sets the parameter and evaluates the stretches. False if that is not possible; failure() gives the reason.
+  /// The unknowns u from their parts: nodes, duration, and the values of the free parameters, or the value of the only one.
+  /// @throws std::invalid_argument for the wrong number of nodes or values.
+  Vector pack(const std::vector<Vector>& nodes, double duration, const Vector& values) const;
+  Vector pack(const std::vector<Vector>& nodes, double duration, double value) const {
+    return pack(nodes, duration, Vector::Constant(1, value));
+  }
+  /// Sets the parameters and evaluates the stretches. False if that is not possible; failure() gives the reason.
   bool evaluate(const Vector& u, const TransitionOptions& options);
-  /// H(u) and, unless null, its Jacobian (unknowns() - 1 rows, unknowns() columns). False as for evaluate(), or if an entry is
+  /// H(u) and, unless null, its Jacobian (orbit_unknowns() rows, unknowns() columns). False as for evaluate(), or if an entry is
   /// not finite.
   bool residual(const Vector& u, Vector& residual, Matrix* jacobian);
   ZeroProblem zero_problem() override;
@@ -66,7 +76,7 @@ class OrbitProblem : public BranchProblem {
   Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                      const Eigen::VectorXcd& v) override;
   std::vector<PinnedState> kept_states(const Vector& u) const override;
-  double state_scale(const Vector& u) const override { return 1.0 + u.head(unknowns() - 1).lpNorm<Eigen::Infinity>(); }
+  double state_scale(const Vector& u) const override { return 1.0 + orbit_part(u).lpNorm<Eigen::Infinity>(); }
   std::vector<Image> images(const Vector& u, const Vector& tangent) const override;
   Doubled doubled(const Vector& u) const override;
   std::unique_ptr<BranchProblem> with_half_steps() const override { return std::make_unique<OrbitProblem>(in_half_steps()); }

@@ -46,18 +46,22 @@ std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
 }
 
 SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
-                                   std::size_t parameter, double scale, const FlowOptions& options)
-    : BranchProblem(system, p, parameter, scale), equations_(system, p, period, std::move(sequence), {parameter}, options),
+                                   std::vector<FreeParameter> free, const FlowOptions& options)
+    : BranchProblem(system, p, std::move(free)), equations_(system, p, period, std::move(sequence), free_indices(), options),
       options_(options) {}
 
-Vector SignatureProblem::pack(const EventNodes& nodes, double value) const {
+SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+                                   std::size_t parameter, double scale, const FlowOptions& options)
+    : SignatureProblem(system, p, period, std::move(sequence), {{parameter, scale}}, options) {}
+
+Vector SignatureProblem::pack(const EventNodes& nodes, const Vector& values) const {
   const int block = equations_.states() + 1;
   Vector u(unknowns());
   for (int k = 0; k < equations_.events(); ++k) {
     u[k * block] = nodes.times[static_cast<std::size_t>(k)];
     u.segment(k * block + 1, block - 1) = nodes.states[static_cast<std::size_t>(k)];
   }
-  u[u.size() - 1] = value;
+  set_values(u, values);
   return u;
 }
 
@@ -86,12 +90,12 @@ ZeroProblem SignatureProblem::zero_problem() {
   problem.weights = Vector::Constant(unknowns(), 1.0 / (equations_.events() * size_ * size_));
   for (int k = 0; k < equations_.events(); ++k) problem.weights[k * size] = 1.0 / equations_.events();
   problem.size = size_;
-  problem.weights[unknowns() - 1] = 1.0 / (scale_ * scale_);
+  weigh_values(problem.weights);
   return problem;
 }
 
 std::vector<PinnedState> SignatureProblem::kept_states(const Vector& u) const {
-  SignatureProblem apart(equations_.system(), p_, equations_.period(), equations_.sequence(), parameter_, scale_, options_);
+  SignatureProblem apart(equations_.system(), p_, equations_.period(), equations_.sequence(), free_, options_);
   Vector residual;
   Matrix jacobian;
   if (!apart.set_value(u) || !apart.equations_.holds_states(u)) return {};
@@ -154,10 +158,10 @@ OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double
   set_value(u);
   const int n = equations_.period(), nodes = n * per_period;
   const double T = equations_.duration() / n;
-  OrbitProblem problem(equations_.system(), p_, n, nodes, parameter_, scale_, options_, section);
+  OrbitProblem problem(equations_.system(), p_, n, nodes, free_, options_, section);
   std::vector<double> times(static_cast<std::size_t>(nodes));
   for (int j = 0; j < nodes; ++j) times[static_cast<std::size_t>(j)] = (section + static_cast<double>(j) / per_period) * T;
-  out = problem.pack(states_at(u, times), equations_.duration(), value(u));
+  out = problem.pack(states_at(u, times), equations_.duration(), values(u));
   problem.measure_by(out);
   problem.pin_as(*this, out);
   return problem;
@@ -203,7 +207,7 @@ Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::compl
     for (int s = 0; s < 2; ++s) {
       Vector shifted = u;
       shifted[i] += s == 0 ? h : -h;
-      if (i + 1 == unknowns()) {
+      if (i >= orbit_unknowns()) {
         set_value(shifted);
         for (int k = 0; k < m; ++k) side[s] += form(shifted, k);
         continue;
@@ -232,7 +236,7 @@ std::vector<BranchProblem::Image> SignatureProblem::images(const Vector& u, cons
   const int m = equations_.events(), size = equations_.states() + 1, n = equations_.period();
   const Vector p = parameters_at(u);
   const double T = forcing_period(equations_.system(), p);
-  const double T_dp = forcing_period_dp(equations_.system(), p)[static_cast<Eigen::Index>(parameter_)];
+  const Vector T_dp = forcing_period_dp(equations_.system(), p)(free_indices());
   std::vector<Image> list{{u, tangent}};
   for (int by = 0; by < m; ++by) {
     bool same = true;
@@ -248,7 +252,7 @@ std::vector<BranchProblem::Image> SignatureProblem::images(const Vector& u, cons
         image.u.segment(k * size, size) = u.segment(from * size, size);
         image.tangent.segment(k * size, size) = tangent.segment(from * size, size);
         image.u[k * size] += later * T;
-        image.tangent[k * size] += later * T_dp * tangent[tangent.size() - 1];
+        for (Eigen::Index i = 0; i < T_dp.size(); ++i) image.tangent[k * size] += later * T_dp[i] * values(tangent)[i];
       }
       list.push_back(std::move(image));
     }
@@ -260,18 +264,18 @@ BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
   const Vector p = parameters_at(u);
   EventNodes twice = unpack(u);
   twice.repeat(2, equations_.period() * forcing_period(equations_.system(), p));
-  auto problem = std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, parameter_,
-                                                    scale_, options_);
+  auto problem =
+      std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, free_, options_);
   problem->measure_as(*this);
-  Vector start = problem->pack(twice, value(u));
+  Vector start = problem->pack(twice, values(u));
   return {std::move(problem), std::move(start)};
 }
 
 std::unique_ptr<BranchProblem> SignatureProblem::with_half_steps() const {
   FlowOptions options = options_;
   options.tolerance *= half_steps;
-  auto other = std::make_unique<SignatureProblem>(equations_.system(), p_, equations_.period(), equations_.sequence(), parameter_,
-                                                  scale_, options);
+  auto other =
+      std::make_unique<SignatureProblem>(equations_.system(), p_, equations_.period(), equations_.sequence(), free_, options);
   other->measure_as(*this);
   return other;
 }

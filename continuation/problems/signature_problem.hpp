@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SignatureProblem: periodic orbits with hard impacts in one parameter, in the coordinates of SignatureEquations: the unknowns
-// are u = (t_1, x_1, ..., t_m, x_m, value), with the times of the m events and the states just before them. The equations are
-// smooth up to a grazing and through it. For forced systems.
+// SignatureProblem: periodic orbits with hard impacts in free parameters, in the coordinates of SignatureEquations: the unknowns
+// are u = (t_1, x_1, ..., t_m, x_m, values), with the times of the m events, the states just before them, and the values of the
+// free parameters. The equations are smooth up to a grazing and through it. For forced systems.
 #pragma once
 
 #include <graze/continuation/problems/branch_problem.hpp>
@@ -32,14 +32,19 @@ std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit);
 
 class SignatureProblem : public BranchProblem {
  public:
-  /// `sequence`: indices of the events, in order. `parameter`, `scale`: see OrbitProblem. @throws std::invalid_argument as
-  /// SignatureEquations does.
+  /// `sequence`: indices of the events, in order. `free`: the free parameters. @throws std::invalid_argument as BranchProblem and
+  /// SignatureEquations do.
+  SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+                   std::vector<FreeParameter> free, const FlowOptions& options = {});
+  SignatureProblem(HybridSystem&&, const Vector&, int, std::vector<std::size_t>, std::vector<FreeParameter>,
+                   const FlowOptions& = {}) = delete;
+  /// With one free parameter.
   SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                    std::size_t parameter, double scale, const FlowOptions& options = {});
   SignatureProblem(HybridSystem&&, const Vector&, int, std::vector<std::size_t>, std::size_t, double,
                    const FlowOptions& = {}) = delete;
 
-  Eigen::Index unknowns() const override { return equations_.unknowns() + 1; }
+  Eigen::Index unknowns() const override { return equations_.unknowns() + std::ssize(free_); }
   ZeroProblem zero_problem() override;
   BranchPoint branch_point(const Vector& u, double arclength) override;
   PeriodicOrbit orbit(const Vector& u, const std::optional<NewtonReport>& report = {}) override;
@@ -60,12 +65,15 @@ class SignatureProblem : public BranchProblem {
   std::unique_ptr<BranchProblem> with_half_steps() const override;
   Vector half_difference(const Vector& u) const override;
 
-  /// The unknowns u from events and parameter value, and the events from u.
-  Vector pack(const EventNodes& nodes, double value) const;
+  /// The unknowns u from events and the values of the free parameters (or the value of the only one), and the events from u.
+  /// @throws std::invalid_argument for the wrong number of values.
+  Vector pack(const EventNodes& nodes, const Vector& values) const;
+  Vector pack(const EventNodes& nodes, double value) const { return pack(nodes, Vector::Constant(1, value)); }
   EventNodes unpack(const Vector& u) const;
-  /// See SignatureEquations. The parameter is set to its value in u first; if the model refuses it, u counts as a violation.
+  /// See SignatureEquations. The parameters are set to their values in u first; if the model refuses them, u counts as a
+  /// violation.
   std::optional<SignatureEquations::Violation> violation(const Vector& u);
-  /// Smallest scaled speed of the events; infinity if the model refuses the parameter value.
+  /// Smallest scaled speed of the events; infinity if the model refuses the parameters.
   double least_speed(const Vector& u);
   /// dh/dt just before the event with this number, and its gradient in u.
   double speed(const Vector& u, int event);

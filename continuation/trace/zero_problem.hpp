@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ZeroProblem: H(u) = 0 with one equation fewer than unknowns; its solutions form curves, which the tracer follows.
+// ZeroProblem: H(u) = 0 with fewer equations than unknowns. The tracer follows the curves of its solutions if there is one
+// equation fewer. With several equations fewer, conditions are to be added first.
 #pragma once
 
 #include <graze/lib/numerics/vector.hpp>
@@ -12,7 +13,8 @@ namespace graze {
 
 struct ZeroProblem {
   Eigen::Index unknowns = 0;
-  /// Sets residual (unknowns - 1) and, unless null, Jacobian (unknowns - 1) x unknowns. False: H cannot be evaluated at u.
+  /// Sets residual (m equations, for the tracer unknowns - 1) and, unless null, Jacobian (m x unknowns). False: H cannot be
+  /// evaluated at u.
   std::function<bool(const Vector& u, Vector& residual, Matrix* jacobian)> evaluate;
   /// Weights of the arclength norm |u|^2 = sum w_i u_i^2; empty: all 1.
   Vector weights;
