@@ -58,7 +58,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   const ZeroProblem zero = problem.zero_problem();
   const double side = grazing.top_dp > 0.0 ? -1.0 : 1.0;  // side on which the free maximum stays below the barrier
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
-  const Event& contact = problem.system().events[grazing.event];
+  const Event& contact = problem.system()->events[grazing.event];
   // Several events coincide at the grazing, where the coordinates of the events are singular.
   const bool through_modes = !lost && (contact.to != contact.from || !grazing.contact_events.empty());
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
@@ -158,7 +158,7 @@ std::optional<BranchStart> symmetric_start(OrbitProblem& problem, const LocatedG
 std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGrazing& grazing, TurnPattern pattern,
                                           const TraceOptions& options) {
   EventNodes nodes = event_nodes(grazing.orbit).value_or(EventNodes{});
-  const Event& contact = problem.system().events[grazing.event];
+  const Event& contact = problem.system()->events[grazing.event];
   const bool sticks = nodes.sequence.size() != grazing.orbit.events.size();
   if (sticks || contact.to != contact.from || problem.equations().autonomous()) return std::nullopt;
   const double turn = grazing.orbit.duration / grazing.orbit.period * problem.period() / pattern.turns;

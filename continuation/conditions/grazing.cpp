@@ -50,7 +50,7 @@ Passage passage_with(OrbitProblem& problem, std::size_t contact, const Touch& to
   const double ahead = speed / -curvature;
   Vector f(touch.x.size());
   propagator.field(touch.mode, touch.t, touch.x, f);
-  const Guard& guard = problem.system().events[contact].guard;
+  const Guard& guard = problem.system()->events[contact].guard;
   // Moves x along the guard's gradient to the level h. The free motion starts just below the guard: far enough not to meet it,
   // and near enough not to change the difference of the two motions.
   const auto to_guard = [&](double t, const Vector& x, double h) {
@@ -104,7 +104,7 @@ Passage passage(OrbitProblem& problem, std::size_t contact, const Touch& touch, 
 void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRate& at, const Matrix& jacobian,
              LocatedGrazing& located) {
   ShootingEquations& equations = problem.equations();
-  const Event& event = problem.system().events[guess.event];
+  const Event& event = problem.system()->events[guess.event];
   const int n = problem.states(), j = guess.stretch;
   const Touch& touch = equations.stretch(j).touch;
   const Eigen::Index size = jacobian.rows();

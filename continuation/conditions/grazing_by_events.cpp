@@ -147,7 +147,7 @@ std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector
     // The same touch may be found twice: with its contact left out, with a contact that the free motion still makes, or from
     // behind, as a stop that has let go and is nearly left. The result with fewer impacts is kept, and then the contact's own.
     const auto rank = [&](const LocatedGrazing& found) {
-      return std::pair(found.orbit.impacts, !begins_contact(problem.system().events[found.event].kind));
+      return std::pair(found.orbit.impacts, !begins_contact(problem.system()->events[found.event].kind));
     };
     const bool same = nearest && std::abs(problem.value(located->u) - problem.value(nearest->u)) <
                                      same_value * (1.0 + std::abs(problem.value(located->u)));
@@ -184,7 +184,7 @@ std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, c
   const SignatureEquations& equations = problem.equations();
   EventNodes nodes = problem.unpack(u);
   const auto place = static_cast<Eigen::Index>(nodes.insert(met.event, met.t, met.x_minus));
-  Touching out{SignatureProblem(equations.system(), equations.parameters(), equations.period(), nodes.sequence, parameter, 1.0,
+  Touching out{SignatureProblem(problem.system(), equations.parameters(), equations.period(), nodes.sequence, parameter, 1.0,
                                 problem.flow_options()),
                {},
                {},

@@ -9,7 +9,7 @@ OwnCoordinates own_coordinates(const SpecialPoint& point, OrbitProblem& states) 
   if (!has_hard_contacts(system) || states.equations().autonomous()) return own;
   const std::optional<EventNodes> nodes = event_nodes(states.orbit(own.u));
   if (!nodes || impacts(system, {0, nodes->sequence}) != point.orbit.impacts) return own;
-  own.by_events.emplace(system, point.orbit.parameters, states.period(), nodes->sequence, states.free(),
+  own.by_events.emplace(states.system(), point.orbit.parameters, states.period(), nodes->sequence, states.free(),
                         states.equations().options());
   own.u = own.by_events->pack(*nodes, point.value);
   own.by_events->pin_as(states, own.u);

@@ -16,13 +16,11 @@ namespace graze {
 class SettlingChain : public RowChain {
  public:
   /// `parameters`: at each value. `rest`: start of the first motion, and of those for which the state before does not serve.
-  /// `settling`: in fast mode, because chaotic transients are long. `shooting`: of the proof of an orbit that lanes have found. A
-  /// reference to the system is kept.
-  SettlingChain(const HybridSystem& system, std::vector<Vector> parameters, Vector rest, AttractorOptions settling,
+  /// `settling`: in fast mode, because chaotic transients are long. `shooting`: of the proof of an orbit that lanes have found.
+  SettlingChain(const SharedSystem& system, std::vector<Vector> parameters, Vector rest, AttractorOptions settling,
                 ShootingOptions shooting)
       : system_(system), parameters_(std::move(parameters)), rest_(std::move(rest)), settling_(std::move(settling)),
         shooting_(std::move(shooting)) {}
-  SettlingChain(HybridSystem&&, std::vector<Vector>, Vector, AttractorOptions, ShootingOptions) = delete;
 
   std::size_t size() const override { return parameters_.size(); }
   std::size_t stretch() const override { return size(); }
@@ -31,7 +29,7 @@ class SettlingChain : public RowChain {
                          std::function<void(const Vector& state)> publish) const override;
 
  private:
-  const HybridSystem& system_;
+  SharedSystem system_;
   std::vector<Vector> parameters_;
   Vector rest_;
   AttractorOptions settling_;

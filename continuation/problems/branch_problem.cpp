@@ -10,16 +10,16 @@
 
 namespace graze {
 
-BranchProblem::BranchProblem(const HybridSystem& system, Vector p, std::vector<FreeParameter> free)
-    : system_(&system), p_(std::move(p)), free_(std::move(free)) {
+BranchProblem::BranchProblem(SharedSystem system, Vector p, std::vector<FreeParameter> free)
+    : system_(std::move(system)), p_(std::move(p)), free_(std::move(free)) {
   if (free_.empty()) throw std::invalid_argument("no free parameter was given; give at least one");
   for (auto one = free_.begin(); one != free_.end(); ++one) {
-    if (one->index >= system.parameters.size())
+    if (one->index >= system_->parameters.size())
       throw std::invalid_argument(fmt::format("free parameter {} was asked for; allowed is an index from 0 to {}", one->index,
-                                              std::ssize(system.parameters) - 1));
+                                              std::ssize(system_->parameters) - 1));
     if (std::any_of(free_.begin(), one, [&](const FreeParameter& other) { return other.index == one->index; }))
       throw std::invalid_argument(
-          fmt::format("free parameter {} was given twice; give it once", system.parameters[one->index].name));
+          fmt::format("free parameter {} was given twice; give it once", system_->parameters[one->index].name));
   }
 }
 
@@ -46,7 +46,7 @@ Vector BranchProblem::parameters_at(const Vector& u) const {
   Vector p = p_;
   Eigen::Index i = u.size() - std::ssize(free_);
   for (const FreeParameter& one : free_) {
-    const ParameterInfo& info = system().parameters[one.index];
+    const ParameterInfo& info = system_->parameters[one.index];
     double& value = p[static_cast<Eigen::Index>(one.index)];
     value = u[i++];
     if (value < info.lower && value > info.lower - slack * (1.0 + std::abs(info.lower)) && !info.lower_open) value = info.lower;

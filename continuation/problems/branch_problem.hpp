@@ -45,7 +45,7 @@ class BranchProblem {
  public:
   virtual ~BranchProblem() = default;
 
-  const HybridSystem& system() const { return *system_; }
+  const SharedSystem& system() const { return system_; }
   /// The free parameters, at least one. The last unknowns are their values, in this order.
   const std::vector<FreeParameter>& free() const { return free_; }
   /// The first free parameter, in which a branch is followed: its index, and its unit in the arclength.
@@ -130,7 +130,7 @@ class BranchProblem {
 
  protected:
   /// @throws std::invalid_argument unless `free` names at least one parameter of the system, and none twice.
-  BranchProblem(const HybridSystem& system, Vector p, std::vector<FreeParameter> free);
+  BranchProblem(SharedSystem system, Vector p, std::vector<FreeParameter> free);
 
   /// Indices of the free parameters, for the equations.
   std::vector<std::size_t> free_indices() const;
@@ -138,6 +138,16 @@ class BranchProblem {
   void set_values(Vector& u, const Vector& values) const;
   /// Sets the weights of the free parameters' values in the arclength.
   void weigh_values(Vector& weights) const;
+  /// Derivative of a function of a shift by differences of step h: central or, where the function has no value on one side (at
+  /// the end of a parameter's range), to the other side. Zero if it has none on either.
+  template <class Function> static std::complex<double> difference(double h, const Function& value_at) {
+    const std::optional<std::complex<double>> after = value_at(h), before = value_at(-h);
+    if (after && before) return (*after - *before) / (2.0 * h);
+    if (!after && !before) return 0.0;
+    const std::optional<std::complex<double>> here = value_at(0.0);
+    if (!here) return 0.0;
+    return after ? (*after - *here) / h : (*here - *before) / h;
+  }
   /// The parameters of the orbit at u. A value that rounding of the corrector has carried just beyond the parameter's range is
   /// put back onto its end.
   Vector parameters_at(const Vector& u) const;
@@ -192,7 +202,7 @@ class BranchProblem {
     return left;
   }
 
-  const HybridSystem* system_;
+  SharedSystem system_;
   Vector p_;  ///< with the values set last
   std::vector<FreeParameter> free_;
   std::string failure_;              ///< of the last evaluation

@@ -21,7 +21,7 @@ double nearest_approach(OrbitProblem& problem, const Vector& shortened, double l
     const double start = equations.node_time(shortened, j), step = length / samples;
     Vector x = equations.node(shortened, j);
     for (int k = 0; k < samples; ++k) {
-      for (const Event& event : problem.system().events) {
+      for (const Event& event : problem.system()->events) {
         if (event.from != equations.stretch(j).mode0) continue;
         const double gap = event.guard.value(start + k * step, x, equations.parameters());
         if (!(gap > nearest)) continue;

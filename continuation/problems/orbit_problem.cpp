@@ -28,11 +28,11 @@ bool holds(const HybridSystem& system, const std::vector<Constraint>& constraint
 
 }  // namespace
 
-OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::vector<FreeParameter> free,
+OrbitProblem::OrbitProblem(const SharedSystem& system, const Vector& p, int period, int nodes, std::vector<FreeParameter> free,
                            const FlowOptions& options, double section_phase)
     : BranchProblem(system, p, std::move(free)), equations_(system, p, period, nodes, free_indices(), options, section_phase) {}
 
-OrbitProblem::OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
+OrbitProblem::OrbitProblem(const SharedSystem& system, const Vector& p, int period, int nodes, std::size_t parameter,
                            double scale, const FlowOptions& options, double section_phase)
     : OrbitProblem(system, p, period, nodes, {{parameter, scale}}, options, section_phase) {}
 
@@ -152,7 +152,7 @@ std::vector<PinnedState> OrbitProblem::kept_states(const Vector& u) const {
   // carried for the branch.
   const HybridState start{apart.equations_.node_time(u, 0), equations_.node(u, 0), 0};
   const std::optional<std::size_t> mode = mode_at(system(), start.t, start.x, p);
-  if (!mode || !holds(system(), system().modes[*mode].constraints, {start.t, start.x, *mode}, p)) return {};
+  if (!mode || !holds(system(), system()->modes[*mode].constraints, {start.t, start.x, *mode}, p)) return {};
   Vector residual;
   Matrix jacobian;
   if (!apart.residual(u, residual, &jacobian)) return {};
@@ -266,32 +266,26 @@ Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<d
   for (int j = 0; j < N; ++j) {
     const Vector shortened = orbit_part(u);
     const double start = equations_.node_time(shortened, j), length = equations_.duration(shortened) / N;
-    for (int k = 0; k < n; ++k) {
-      std::complex<double> side[2];
-      const double h = difference_step * (1.0 + std::abs(u[j * n + k]));
-      bool defined = true;
-      for (int s = 0; s < 2; ++s) {
-        Vector x = equations_.node(u, j);
-        x[k] += s == 0 ? h : -h;
-        carry(equations_.propagator(), start, start + length, x, tangent, moved);
-        defined = defined && moved.termination == Termination::time;
-        if (defined) side[s] = form(j, moved.Phi);
-      }
-      if (defined) derivative[j * n + k] = (side[0] - side[1]) / (2.0 * h);
-    }
+    for (int k = 0; k < n; ++k)
+      derivative[j * n + k] =
+          difference(difference_step * (1.0 + std::abs(u[j * n + k])), [&](double shift) -> std::optional<std::complex<double>> {
+            Vector x = equations_.node(u, j);
+            x[k] += shift;
+            carry(equations_.propagator(), start, start + length, x, tangent, moved);
+            if (moved.termination != Termination::time) return std::nullopt;
+            return form(j, moved.Phi);
+          });
   }
-  for (Eigen::Index i = n * N; i < unknowns(); ++i) {
-    std::complex<double> side[2] = {0.0, 0.0};
-    const double h = difference_step * (1.0 + std::abs(u[i]));
-    bool defined = true;
-    for (int s = 0; s < 2 && defined; ++s) {
-      Vector shifted = u;
-      shifted[i] += s == 0 ? h : -h;
-      defined = evaluate(shifted, tangent);
-      for (int j = 0; j < N && defined; ++j) side[s] += form(j, equations_.stretch(j).Phi);
-    }
-    if (defined) derivative[i] = (side[0] - side[1]) / (2.0 * h);
-  }
+  for (Eigen::Index i = n * N; i < unknowns(); ++i)
+    derivative[i] =
+        difference(difference_step * (1.0 + std::abs(u[i])), [&](double shift) -> std::optional<std::complex<double>> {
+          Vector shifted = u;
+          shifted[i] += shift;
+          if (!evaluate(shifted, tangent)) return std::nullopt;
+          std::complex<double> sum = 0.0;
+          for (int j = 0; j < N; ++j) sum += form(j, equations_.stretch(j).Phi);
+          return sum;
+        });
   evaluate(u, tangent);
   return derivative;
 }

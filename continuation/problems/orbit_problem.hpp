@@ -19,14 +19,11 @@ class OrbitProblem : public BranchProblem {
  public:
   /// `free`: the free parameters. `section_phase`: forcing phase of the first node over 2 pi. @throws std::invalid_argument as
   /// BranchProblem and ShootingEquations do.
-  OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::vector<FreeParameter> free,
+  OrbitProblem(const SharedSystem& system, const Vector& p, int period, int nodes, std::vector<FreeParameter> free,
                const FlowOptions& options = {}, double section_phase = 0.0);
-  OrbitProblem(HybridSystem&&, const Vector&, int, int, std::vector<FreeParameter>, const FlowOptions& = {},
-               double = 0.0) = delete;
   /// With one free parameter.
-  OrbitProblem(const HybridSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
+  OrbitProblem(const SharedSystem& system, const Vector& p, int period, int nodes, std::size_t parameter, double scale,
                const FlowOptions& options = {}, double section_phase = 0.0);
-  OrbitProblem(HybridSystem&&, const Vector&, int, int, std::size_t, double, const FlowOptions& = {}, double = 0.0) = delete;
 
   /// The same problem with its first node at another forcing phase, and the conversion of an orbit u of this problem to that
   /// one. nullopt if the motion cannot be carried to the new nodes.

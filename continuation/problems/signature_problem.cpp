@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace graze {
@@ -45,12 +46,12 @@ std::optional<EventNodes> event_nodes(const PeriodicOrbit& orbit) {
   return nodes;
 }
 
-SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+SignatureProblem::SignatureProblem(const SharedSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                                    std::vector<FreeParameter> free, const FlowOptions& options)
     : BranchProblem(system, p, std::move(free)), equations_(system, p, period, std::move(sequence), free_indices(), options),
       options_(options) {}
 
-SignatureProblem::SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+SignatureProblem::SignatureProblem(const SharedSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                                    std::size_t parameter, double scale, const FlowOptions& options)
     : SignatureProblem(system, p, period, std::move(sequence), {{parameter, scale}}, options) {}
 
@@ -95,7 +96,7 @@ ZeroProblem SignatureProblem::zero_problem() {
 }
 
 std::vector<PinnedState> SignatureProblem::kept_states(const Vector& u) const {
-  SignatureProblem apart(equations_.system(), p_, equations_.period(), equations_.sequence(), free_, options_);
+  SignatureProblem apart(system(), p_, equations_.period(), equations_.sequence(), free_, options_);
   Vector residual;
   Matrix jacobian;
   if (!apart.set_value(u) || !apart.equations_.holds_states(u)) return {};
@@ -158,7 +159,7 @@ OrbitProblem SignatureProblem::in_states(const Vector& u, int per_period, double
   set_value(u);
   const int n = equations_.period(), nodes = n * per_period;
   const double T = equations_.duration() / n;
-  OrbitProblem problem(equations_.system(), p_, n, nodes, free_, options_, section);
+  OrbitProblem problem(system(), p_, n, nodes, free_, options_, section);
   std::vector<double> times(static_cast<std::size_t>(nodes));
   for (int j = 0; j < nodes; ++j) times[static_cast<std::size_t>(j)] = (section + static_cast<double>(j) / per_period) * T;
   out = problem.pack(states_at(u, times), equations_.duration(), values(u));
@@ -193,31 +194,38 @@ Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::compl
   Eigen::VectorXcd derivative = Eigen::VectorXcd::Zero(unknowns());
   SignatureEquations::Block block;
   // The contribution of the rows of event k to w^H K v.
-  const auto form = [&](const Vector& at, int k) -> std::complex<double> {
-    if (!equations_.evaluate(at, k, true, block)) return std::numeric_limits<double>::quiet_NaN();
+  const auto form = [&](const Vector& at, int k) -> std::optional<std::complex<double>> {
+    if (!equations_.evaluate(at, k, true, block)) return std::nullopt;
     const std::complex<double> link = k + 1 < m ? 1.0 : sigma;
     const Eigen::VectorXcd rows =
         block.own * v.segment(k * size, size) + link * (block.next * v.segment((k + 1) % m * size, size));
     return w.segment(k * size, n).dot(rows) +
            std::conj(w[k * size + n]) * (block.own_gap.transpose() * v.segment(k * size, size))[0];
   };
-  for (Eigen::Index i = 0; i < unknowns(); ++i) {
-    const double h = difference_step * (1.0 + std::abs(u[i]));
-    std::complex<double> side[2] = {0.0, 0.0};
-    for (int s = 0; s < 2; ++s) {
-      Vector shifted = u;
-      shifted[i] += s == 0 ? h : -h;
-      if (i >= orbit_unknowns()) {
-        set_value(shifted);
-        for (int k = 0; k < m; ++k) side[s] += form(shifted, k);
-        continue;
-      }
-      // The state of an event affects the flight after it; the time of an event also affects the flight before it.
-      const int k = static_cast<int>(i) / size, before = (k + m - 1) % m;
-      side[s] = form(shifted, k);
-      if (i % size == 0 && before != k) side[s] += form(shifted, before);
+  const auto form_of_all = [&](const Vector& at, const std::vector<int>& events) -> std::optional<std::complex<double>> {
+    std::complex<double> sum = 0.0;
+    for (const int k : events) {
+      const std::optional<std::complex<double>> one = form(at, k);
+      if (!one) return std::nullopt;
+      sum += *one;
     }
-    derivative[i] = (side[0] - side[1]) / (2.0 * h);
+    return sum;
+  };
+  std::vector<int> all(static_cast<std::size_t>(m));
+  std::iota(all.begin(), all.end(), 0);
+  for (Eigen::Index i = 0; i < unknowns(); ++i) {
+    const bool is_parameter = i >= orbit_unknowns();
+    // The state of an event affects the flight after it; the time of an event also affects the flight before it.
+    const int k = static_cast<int>(i) / size, before = (k + m - 1) % m;
+    std::vector<int> affected = is_parameter ? all : std::vector<int>{k};
+    if (!is_parameter && i % size == 0 && before != k) affected.push_back(before);
+    derivative[i] =
+        difference(difference_step * (1.0 + std::abs(u[i])), [&](double shift) -> std::optional<std::complex<double>> {
+          Vector shifted = u;
+          shifted[i] += shift;
+          if (is_parameter && !set_value(shifted)) return std::nullopt;
+          return form_of_all(shifted, affected);
+        });
   }
   set_value(u);
   return derivative;
@@ -265,7 +273,7 @@ BranchProblem::Doubled SignatureProblem::doubled(const Vector& u) const {
   EventNodes twice = unpack(u);
   twice.repeat(2, equations_.period() * forcing_period(equations_.system(), p));
   auto problem =
-      std::make_unique<SignatureProblem>(equations_.system(), p, 2 * equations_.period(), twice.sequence, free_, options_);
+      std::make_unique<SignatureProblem>(system(), p, 2 * equations_.period(), twice.sequence, free_, options_);
   problem->measure_as(*this);
   Vector start = problem->pack(twice, values(u));
   return {std::move(problem), std::move(start)};
@@ -275,7 +283,7 @@ std::unique_ptr<BranchProblem> SignatureProblem::with_half_steps() const {
   FlowOptions options = options_;
   options.tolerance *= half_steps;
   auto other =
-      std::make_unique<SignatureProblem>(equations_.system(), p_, equations_.period(), equations_.sequence(), free_, options);
+      std::make_unique<SignatureProblem>(system(), p_, equations_.period(), equations_.sequence(), free_, options);
   other->measure_as(*this);
   return other;
 }

@@ -34,15 +34,11 @@ class SignatureProblem : public BranchProblem {
  public:
   /// `sequence`: indices of the events, in order. `free`: the free parameters. @throws std::invalid_argument as BranchProblem and
   /// SignatureEquations do.
-  SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+  SignatureProblem(const SharedSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                    std::vector<FreeParameter> free, const FlowOptions& options = {});
-  SignatureProblem(HybridSystem&&, const Vector&, int, std::vector<std::size_t>, std::vector<FreeParameter>,
-                   const FlowOptions& = {}) = delete;
   /// With one free parameter.
-  SignatureProblem(const HybridSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
+  SignatureProblem(const SharedSystem& system, const Vector& p, int period, std::vector<std::size_t> sequence,
                    std::size_t parameter, double scale, const FlowOptions& options = {});
-  SignatureProblem(HybridSystem&&, const Vector&, int, std::vector<std::size_t>, std::size_t, double,
-                   const FlowOptions& = {}) = delete;
 
   Eigen::Index unknowns() const override { return equations_.unknowns() + std::ssize(free_); }
   ZeroProblem zero_problem() override;

@@ -172,6 +172,30 @@ TEST_CASE("the derivative of the cyclic matrix in two free parameters agrees wit
   }
 }
 
+TEST_CASE("at the end of a parameter's range the cyclic matrix is differentiated to one side") {
+  const auto derivative_at = [](double k_r, bool events) {
+    OneImpactParameters q = impacting;
+    q.k_r = k_r;
+    const Vector p = parameters_of(q);
+    const OrbitCase c = events ? by_events("by events", newton_oscillator(), p, newton_orbit(q, 1))
+                               : in_states("in states", newton_oscillator(), p, newton_orbit(q, 2));
+    const auto problem = c.problem({c.free("k_r")});
+    const Vector u = c.unknowns(problem->free());
+    evaluated(*problem, u);
+    const Eigen::Index rows = problem->cyclic(u, -1.0).rows();
+    const Eigen::VectorXcd left = Vector::LinSpaced(rows, 0.3, 1.0).cast<std::complex<double>>();
+    const Eigen::VectorXcd right = Vector::LinSpaced(rows, 1.0, -0.4).cast<std::complex<double>>();
+    return problem->cyclic_derivative(u, -1.0, left, right)[problem->orbit_unknowns()].real();
+  };
+  REQUIRE(newton_oscillator().parameters[parameter_index(newton_oscillator().parameters, "k_r")].upper == 1.0);
+  for (const bool events : {false, true}) {
+    INFO(events);
+    const double at_end = derivative_at(1.0, events), inside = derivative_at(1.0 - 1e-5, events);
+    REQUIRE(std::abs(inside) > 0.1);
+    CHECK(std::abs(at_end - inside) < 1e-3 * std::abs(inside));
+  }
+}
+
 TEST_CASE("every other form of an orbit equation keeps all free parameters") {
   for (const OrbitCase& c : cases()) {
     const Parameters two = two_of(c);
