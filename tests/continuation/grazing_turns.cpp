@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The families of several turns that begin on a hard grazing, to first order in the speeds. One of them always does.
+#include <graze/continuation/conditions/grazing_edge.hpp>
 #include <graze/continuation/conditions/grazing_turns.hpp>
 
 #include "support/grazing_families.hpp"
@@ -81,4 +82,30 @@ TEST_CASE("each family with the weak impact in some of the turns is counted once
     }
   }
   CHECK(met > 100);
+}
+
+TEST_CASE("an orbit at its grazing is reduced to its least period, with the duration of an autonomous one") {
+  // Its nodes repeat after half the orbit.
+  const Vector a{{1.0, 2.0}}, b{{3.0, 4.0}};
+  const double duration = 5.0, value = 0.7;
+  for (const bool autonomous : {false, true}) {
+    INFO(autonomous);
+    PeriodicOrbit orbit;
+    orbit.period = 2;
+    orbit.duration = duration;
+    orbit.nodes = {a, b, a, b};
+    orbit.state = a;
+    orbit.states = {a, a};
+    LocatedGrazing grazing;
+    grazing.u = autonomous ? Vector{{1, 2, 3, 4, 1, 2, 3, 4, duration, value}} : Vector{{1, 2, 3, 4, 1, 2, 3, 4, value}};
+    grazing.family_dp = grazing.u;
+    CHECK(to_least_period(orbit, grazing) == 1);
+    CHECK(orbit.period == 1);
+    CHECK(orbit.duration == 0.5 * duration);
+    CHECK(orbit.nodes == std::vector<Vector>{a, b});
+    const Vector expected = autonomous ? Vector{{1, 2, 3, 4, 0.5 * duration, value}} : Vector{{1, 2, 3, 4, value}};
+    REQUIRE(grazing.u.size() == expected.size());
+    CHECK(grazing.u == expected);
+    CHECK(grazing.family_dp == expected);
+  }
 }
