@@ -29,14 +29,14 @@ constexpr std::size_t most_attractors = 200;  // more mean that nothing can be d
 constexpr double return_distance = 1e-3;      // relative to 1 + |x|: returns this close trigger a search for an orbit
 constexpr double patience = 128.0;            // periods: a search with Newton's method costs more than these
 constexpr int first_look = 64;                // periods
-constexpr std::size_t least_together = 8, largest_group = 1024;  // motions of a group in lanes: whole registers
+constexpr std::size_t largest_group = 1024;   // motions
 
-/// Size of a group of motions: the threads get equally many groups of similar size. A Propagator carries a single motion at a
-/// time: each is a group of its own, so that all threads have work even in a small round.
-std::size_t motions_of_a_group(std::size_t motions, std::size_t threads, bool in_lanes) {
-  if (!in_lanes) return 1;
+/// Size of a group of motions: the threads get equally many groups of similar size, each a multiple of the motions that a thread
+/// carries at once. If that is one, each motion is a group, so that all threads have work even in a small round.
+std::size_t motions_of_a_group(std::size_t motions, std::size_t threads, std::size_t at_once) {
+  if (at_once == 1) return 1;
   const std::size_t turns = divide_rounding_up(motions, largest_group * threads);
-  return divide_rounding_up(divide_rounding_up(motions, turns * threads), least_together) * least_together;
+  return divide_rounding_up(divide_rounding_up(motions, turns * threads), at_once) * at_once;
 }
 
 struct Run {
@@ -52,7 +52,7 @@ struct Run {
 class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options, Basins out)
-      : system_(system), p_(p), starts_(starts), options_(options), in_lanes_(LaneCarrier::applies(system, p, options.flow)),
+      : system_(system), p_(p), starts_(starts), options_(options), at_once_(motions_at_once(system, p, options.flow)),
         scout_(system, p, starts, options.flow), out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) {
       std::vector<Vector> before = found.states;
@@ -90,7 +90,7 @@ class Search {
     std::vector<std::size_t> open(todo.size());
     std::iota(open.begin(), open.end(), std::size_t{0});
     for (bool first = true; !open.empty(); first = false) {
-      const std::size_t together = motions_of_a_group(open.size(), available_threads(), in_lanes_);
+      const std::size_t together = motions_of_a_group(open.size(), available_threads(), at_once_);
       const std::size_t groups = divide_rounding_up(open.size(), together);
       in_parallel(groups, [&](std::size_t group) {
         const std::span its(open.data() + group * together, std::min(together, open.size() - group * together));
@@ -394,7 +394,7 @@ class Search {
   const Vector& p_;
   const Matrix& starts_;
   const BasinOptions& options_;
-  const bool in_lanes_;
+  const std::size_t at_once_;
   ContactTableProbe scout_;
   Basins out_;
   AttractorClassifier known_;

@@ -153,7 +153,7 @@ int motions_of_propagators(const LyapunovOptions& averaging) {
 }  // namespace
 
 int enough_motions(const HybridSystem& system, const Vector& p, const LyapunovOptions& averaging) {
-  return LaneCarrier::applies(system, p, averaging.flow) ? motions_in_lanes(averaging) : motions_of_propagators(averaging);
+  return motions_at_once(system, p, averaging.flow) > 1 ? motions_in_lanes(averaging) : motions_of_propagators(averaging);
 }
 
 int motions_in_shared_lanes(const LyapunovOptions& averaging) {

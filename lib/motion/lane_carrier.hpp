@@ -185,6 +185,9 @@ class LaneCarrier {
   std::size_t left_over_ = 0, carried_ = 0;
 };
 
+/// Number of motions that one thread carries at once: several in lanes, or one by a Propagator.
+std::size_t motions_at_once(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
+
 /// A carrier of motions in lanes, with these parameter sets at the indices 0, 1, ...; null if the lanes do not support the system
 /// at each of them: Propagators carry such motions.
 std::unique_ptr<LaneCarrier> make_lane_carrier(const SharedSystem& system, std::span<const Vector> sets,
