@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/lib/equations/mechanics.hpp>
+#include <graze/lib/equations/constraints.hpp>
 #include <graze/lib/equations/motion_functions.hpp>
 #include <graze/lib/equations/nonsmooth.hpp>
 

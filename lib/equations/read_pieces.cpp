@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/lib/equations/read_pieces.hpp>
 
+#include <graze/lib/equations/constraints.hpp>
 #include <graze/lib/equations/mechanics.hpp>
 #include <graze/lib/equations/polynomial.hpp>
 #include <graze/lib/equations/sliding.hpp>

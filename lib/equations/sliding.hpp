@@ -9,7 +9,8 @@
 // field on the other side does not press against it.
 #pragma once
 
-#include <graze/lib/equations/mechanics.hpp>
+#include <graze/lib/equations/names.hpp>
+#include <graze/lib/equations/pieces.hpp>
 
 namespace graze::equations {
 
