@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch/branch_end.hpp>
+#include <graze/continuation/branch/branch_follower.hpp>
 
 #include <fmt/format.h>
 

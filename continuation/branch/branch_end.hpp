@@ -3,7 +3,7 @@
 // branch alone, which a result file holds.
 #pragma once
 
-#include <graze/continuation/branch/branch_follower.hpp>
+#include <graze/continuation/branch/branch_record.hpp>
 #include <graze/continuation/branch/branch_switching.hpp>
 #include <graze/continuation/branch/branch_task.hpp>
 #include <graze/continuation/conditions/grazing_edge.hpp>

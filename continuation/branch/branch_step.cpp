@@ -92,4 +92,15 @@ std::optional<double> zero_crossing(const Vector& before, const Vector& after) {
   return part;
 }
 
+std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint& point) {
+  std::vector<CurvePoint> list;
+  for (BranchProblem::Image& image : problem.images(point.u, point.tangent)) {
+    CurvePoint same = point;
+    same.u = std::move(image.u);
+    same.tangent = std::move(image.tangent);
+    list.push_back(std::move(same));
+  }
+  return list;
+}
+
 }  // namespace graze

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Checks of the step from the last point of a branch to the next one: whether it left the branch, and whether it passed through
-// the orbit of half the period or through an equilibrium.
+// Checks of the step from the last point of a branch to the next one: whether it left the branch, whether it passed through the
+// orbit of half the period or through an equilibrium, and where it returns to the beginning.
 #pragma once
 
 #include <graze/continuation/problems/branch_problem.hpp>
+#include <graze/continuation/trace/trace.hpp>
 #include <graze/lib/system/symmetry.hpp>
 
 #include <span>
+#include <vector>
 
 namespace graze {
 
@@ -26,5 +28,8 @@ bool leaves_branch(const HybridSystem& system, std::span<const Symmetry> symmetr
 /// halves is zero, and a branch of an autonomous system through an equilibrium where the field is. Empty if it does not, or if a
 /// value is empty.
 std::optional<double> zero_crossing(const Vector& before, const Vector& after);
+
+/// All representations of the orbit at a point of a branch: a branch that returns to any of them is closed.
+std::vector<CurvePoint> images_of(const BranchProblem& problem, const CurvePoint& point);
 
 }  // namespace graze

@@ -2,7 +2,7 @@
 // BranchTask: a branch to be followed for a BranchGraph, with its start; BranchOutcome: the result of following it.
 #pragma once
 
-#include <graze/continuation/branch/branch_follower.hpp>
+#include <graze/continuation/branch/branch_record.hpp>
 #include <graze/continuation/conditions/grazing_edge.hpp>
 
 namespace graze {

@@ -2,6 +2,7 @@
 #include <graze/continuation/graph/branch_graph.hpp>
 
 #include <graze/continuation/branch/branch_end.hpp>
+#include <graze/continuation/branch/branch_follower.hpp>
 #include <graze/continuation/branch/branch_switching.hpp>
 #include <graze/continuation/conditions/grazing_turns.hpp>
 #include <graze/continuation/graph/chatter_series.hpp>

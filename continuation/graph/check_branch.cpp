@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/continuation/branch/branch_follower.hpp>
+#include <graze/continuation/branch/signature_follower.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/continuation/problems/orbit_problem.hpp>

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// BranchRecord: the points and special points of the branch that is being followed. It appends the end of each step, with the
+// special points of the step located by the test functions, and ends the branch at the end of the range or where its orbits end.
+// The two ways to follow a branch (StatesFollower, SignatureFollower) write to the same record.
+#pragma once
+
+#include <graze/continuation/branch/continuation_options.hpp>
+#include <graze/continuation/branch/points_in_step.hpp>
+#include <graze/continuation/conditions/grazing.hpp>
+#include <graze/continuation/problems/branch_problem.hpp>
+#include <graze/lib/system/symmetry.hpp>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace graze {
+
+/// The grazing on which a branch ended.
+struct GrazingEnd {
+  LocatedGrazing grazing;
+  bool lost = false;  ///< the branch has the impact; otherwise the orbits beyond gain it
+};
+
+/// What stays the same while branches are followed. Refers to the system and the options.
+struct FollowSettings {
+  const HybridSystem& system;
+  const ContinuationOptions& options;
+  double low, high;  ///< range of the parameter
+  bool hard_contacts;
+  std::vector<TestFunction> tests;
+
+  FollowSettings(const HybridSystem& of, const ContinuationOptions& with, double from, double to);
+};
+
+/// The end of a branch that is neither the end of the range nor a grazing.
+struct BranchEnding {
+  BranchStop reason;
+  double value;
+  std::string message;
+};
+
+/// Corner of the branch at the grazing of a stiff contact: parameter value and place along the step.
+struct Corner {
+  double value, place;
+  bool to_contact;
+};
+
+class BranchRecord {
+ public:
+  /// Refers to its arguments.
+  BranchRecord(const FollowSettings& settings, Branch& branch);
+
+  Branch& branch() const { return branch_; }
+  bool empty() const { return branch_.points.empty(); }
+  /// Unknowns of the last point.
+  const Vector& last() const { return last_; }
+  /// See leaves_branch().
+  bool is_left_by(const BranchPoint& next) const;
+
+  /// Appends the first point, which is an end of the branch.
+  void begin(BranchProblem& problem, const Vector& u);
+  /// Locates the special points between the last point and the next, and appends the next point. False if the step must be
+  /// halved. `met`: special points that are already located in the step. `corner`: in a step around it.
+  bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
+            std::vector<PointInStep> met, const std::optional<Corner>& corner = {});
+  /// Appends the next point of a branch whose test functions are not continuous in the step.
+  void append_apart(const Vector& u, BranchPoint point);
+  /// The last point in other unknowns.
+  void set_last(const Vector& u) { last_ = u; }
+  /// Makes the last step onto the end of the range: if the model allows no value beyond it, no step leads across it.
+  bool end_on_bound(BranchProblem& problem);
+  /// Adds a special point that needs no location.
+  void mark(BranchProblem& problem, const Vector& u, PointType type);
+  /// Removes all points: the branch begins again.
+  void clear();
+
+  /// Asks whether the computation is cancelled. If it was once, it stays so.
+  bool interrupted_now();
+  bool interrupted() const { return interrupted_; }
+
+  /// Ends the branch just before a place in the step where its orbits end, and locates the special points up to there.
+  Verdict end_before(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after);
+  /// Ends a doubled branch if it passes through the orbit of half its period in the step. Empty: it does not.
+  std::optional<Verdict> end_at_half(BranchProblem& problem, const CurvePoint& before, CurvePoint& after);
+  void end_with(BranchEnding ending) { ending_ = std::move(ending); }
+  const std::optional<BranchEnding>& ending() const { return ending_; }
+
+ private:
+  /// Values of the test functions at the point before the last one; empty: there is none.
+  struct EarlierValues {
+    double arclength = 0.0;
+    std::vector<double> values;
+  };
+
+  const FollowSettings& settings_;
+  const std::vector<Symmetry> symmetries_;  // of the flight at the branch's parameters
+  Branch& branch_;
+  Vector last_;  // unknowns of the last point
+  EarlierValues earlier_;
+  std::optional<BranchEnding> ending_;  // met in the last step
+  bool interrupted_ = false;
+};
+
+/// Handles the end of the range: moves the end of the step onto it. Empty if the step does not reach it. A step that begins on
+/// the end of the range and ends outside has passed a fold and must be shortened.
+std::optional<Verdict> end_of_range(const FollowSettings& settings, BranchProblem& problem, const CurvePoint& before,
+                                    CurvePoint& after);
+
+}  // namespace graze
