@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch/branch_end.hpp>
-#include <graze/continuation/branch/branch_follower.hpp>
+#include <graze/continuation/branch/follow_branch.hpp>
 
 #include <fmt/format.h>
 
@@ -28,10 +28,10 @@ bool releases_beyond(const HybridSystem& system, const Branch& branch, double va
   return !transition.event_sequence.empty() && system.events[transition.event_sequence.front()].kind == EventKind::release;
 }
 
-OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
+OrbitProblem orbit_problem(const SharedSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
                            double high, int copies) {
   const double scale = std::max(high - low, 1e-6 * (1.0 + std::abs(high)));
-  const std::size_t parameter = parameter_index(system.parameters, options.parameter);
+  const std::size_t parameter = parameter_index(system->parameters, options.parameter);
   OrbitProblem problem(system, orbit.parameters, copies * orbit.period, copies * static_cast<int>(orbit.nodes.size()), parameter,
                        scale, options.shooting.flow, orbit.section_phase);
   std::vector<Vector> nodes;
@@ -95,8 +95,8 @@ std::optional<GrazingEnd> relocate_grazing_end(const HybridSystem& system, const
     ContinuationOptions quiet = options;
     quiet.progress = nullptr;
     quiet.trace.initial_step = 1e-4;
-    BranchFollower follower(system, quiet, low, high);
-    std::optional<GrazingEnd> end = follower.follow(problem, {u, direction * problem.parameter_direction()}, again);
+    const FollowSettings settings(system, quiet, low, high);
+    std::optional<GrazingEnd> end = follow_branch(settings, problem, {u, direction * problem.parameter_direction()}, again);
     if (end && std::abs(again.special_points.back().value - point.value) < 1e-9 * (1.0 + std::abs(point.value))) return end;
   }
   return std::nullopt;

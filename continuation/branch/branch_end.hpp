@@ -13,7 +13,7 @@
 namespace graze {
 
 /// The equations of an orbit traversed `copies` times, in the parameter of `options` with the range `low` ... `high`.
-OrbitProblem orbit_problem(const HybridSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
+OrbitProblem orbit_problem(const SharedSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
                            double high, int copies = 1);
 
 /// The orbit of half the period on which a doubled branch ends: Newton's method from the mean of the two halves of the last

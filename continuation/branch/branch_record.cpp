@@ -31,7 +31,7 @@ bool may_pass_zero_twice(const ValueAt& earlier, const ValueAt& before, const Va
 
 }  // namespace
 
-FollowSettings::FollowSettings(const HybridSystem& of, const ContinuationOptions& with, double from, double to)
+FollowSettings::FollowSettings(const SharedSystem& of, const ContinuationOptions& with, double from, double to)
     : system(of), options(with), low(from), high(to), hard_contacts(has_hard_contacts(of)), tests(test_functions()) {
   tests.insert(tests.end(), with.further_tests.begin(), with.further_tests.end());
 }

@@ -23,15 +23,15 @@ struct GrazingEnd {
   bool lost = false;  ///< the branch has the impact; otherwise the orbits beyond gain it
 };
 
-/// What stays the same while branches are followed. Refers to the system and the options.
+/// What stays the same while branches are followed.
 struct FollowSettings {
-  const HybridSystem& system;
-  const ContinuationOptions& options;
+  SharedSystem system;
+  ContinuationOptions options;
   double low, high;  ///< range of the parameter
   bool hard_contacts;
   std::vector<TestFunction> tests;
 
-  FollowSettings(const HybridSystem& of, const ContinuationOptions& with, double from, double to);
+  FollowSettings(const SharedSystem& of, const ContinuationOptions& with, double from, double to);
 };
 
 /// The end of a branch that is neither the end of the range nor a grazing.

@@ -157,7 +157,7 @@ bool SignatureFollower::reaches_grazing(const CurvePoint& before, CurvePoint& af
     point = problem_.branch_point(last.u, record_.branch().points.back().arclength + kept * length);
   hi = 1.0;
   if (!narrow_bracket(0.0)) return false;
-  const std::size_t parameter = parameter_index(settings_.system.parameters, settings_.options.parameter);
+  const std::size_t parameter = parameter_index(settings_.system->parameters, settings_.options.parameter);
   // Added to the width of the bracket: the effect of rounding in a speed or a gap.
   constexpr double next_to = 1e-7;
   std::optional<GrazingAhead> ahead = grazing_ahead(problem_, good, *beyond, parameter, next_to + 4.0 * (hi - lo) * length);

@@ -2,8 +2,8 @@
 #include <graze/continuation/graph/branch_graph.hpp>
 
 #include <graze/continuation/branch/branch_end.hpp>
-#include <graze/continuation/branch/branch_follower.hpp>
 #include <graze/continuation/branch/branch_switching.hpp>
+#include <graze/continuation/branch/follow_branch.hpp>
 #include <graze/continuation/conditions/grazing_turns.hpp>
 #include <graze/continuation/graph/chatter_series.hpp>
 #include <graze/continuation/graph/task_queues.hpp>
@@ -414,8 +414,7 @@ class Graph {
   void follow_from(const BranchStart& start, OrbitProblem& problem, Branch branch, Outcome& out) const {
     ContinuationOptions options = options_;
     if (start.step > 0.0) options.trace.initial_step = start.step;
-    BranchFollower follower(system_, options, low_, high_);
-    out.grazing = follower.follow(problem, start, branch);
+    out.grazing = follow_branch({system_, options, low_, high_}, problem, start, branch);
     if (out.grazing)
       out.ends = edge_at(branch.special_points.back(), branch.special_points.back().orbit, branch.points.back().impacts);
     if (branch.stop == BranchStop::returned && branch.period % 2 == 0 && options_.follow_parents)
@@ -652,7 +651,7 @@ class Graph {
       cut_off(task, others_text(others, longest), others);
   }
 
-  const HybridSystem& system_;
+  SharedSystem system_;
   ContinuationOptions options_;
   FamilyChoice choice_;
   std::size_t parameter_;

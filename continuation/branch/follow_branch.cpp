@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/branch/branch_end.hpp>
-#include <graze/continuation/branch/branch_follower.hpp>
+#include <graze/continuation/branch/follow_branch.hpp>
 #include <graze/continuation/branch/signature_follower.hpp>
 #include <graze/continuation/branch/states_follower.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
@@ -182,26 +182,27 @@ std::optional<GrazingEnd> finish(BranchProblem& problem, Followed followed, Bran
 
 }  // namespace
 
-std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const BranchStart& start, Branch& branch) const {
-  BranchRecord record(settings_, branch);
+std::optional<GrazingEnd> follow_branch(const FollowSettings& settings, OrbitProblem& problem, const BranchStart& start,
+                                        Branch& branch) {
+  BranchRecord record(settings, branch);
   std::optional<BranchStart> by_events;
   if (start.sequence) {
     by_events = start;
-  } else if (settings_.hard_contacts && !problem.equations().autonomous()) {
+  } else if (settings.hard_contacts && !problem.equations().autonomous()) {
     by_events = to_signature(problem, start);
   }
   std::optional<SignatureEquations::Violation> refused;
   if (by_events) {
-    SignatureProblem signature(settings_.system, branch.parameters, problem.period(), *by_events->sequence, problem.parameter(),
-                               problem.scale(), problem.equations().options());
+    SignatureProblem signature(settings.system, branch.parameters, problem.period(), *by_events->sequence, problem.free(),
+                               problem.equations().options());
     signature.measure_by(by_events->u);
     signature.pin(signature.kept_states(by_events->u));
-    SignatureFollower follower(settings_, signature, record);
+    SignatureFollower follower(settings, signature, record);
     Followed followed{follower.follow(*by_events), follower.refused(), follower.grazing(), start.on_grazing,
                       follower.fastest_point()};
     if (const auto states = continuation_in_states(problem, signature, followed, branch)) {
       record.set_last(states->u);
-      Curve curve = StatesFollower(settings_, problem, record).follow(*states);
+      Curve curve = StatesFollower(settings, problem, record).follow(*states);
       return finish(problem, {std::move(curve), followed.refused}, record);
     }
     if (!branch.points.empty() || start.sequence) return finish(signature, std::move(followed), record);
@@ -209,7 +210,7 @@ std::optional<GrazingEnd> BranchFollower::follow(OrbitProblem& problem, const Br
   }
   problem.measure_by(start.u);
   problem.pin(problem.kept_states(start.u));
-  Curve curve = StatesFollower(settings_, problem, record).follow(start);
+  Curve curve = StatesFollower(settings, problem, record).follow(start);
   return finish(problem, {std::move(curve), refused}, record);
 }
 
