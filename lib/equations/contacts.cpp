@@ -108,17 +108,25 @@ void read_law(const Coordinates& coordinates, const StopText& text, Contact& sto
   stop.force = graph.substitute(force, motion);
 }
 
+/// A stop or a friction, with its name checked and its places in the text.
+template <class ContactText>
+Contact named_contact(const Coordinates& coordinates, const ContactText& text, const char* kind, const Place& where,
+                      const std::vector<Contact>& others) {
+  check_name(coordinates.names, text.name, kind, others);
+  Contact contact;
+  contact.name = text.name;
+  contact.count = text.count;
+  contact.where = where;
+  contact.law = text.law.place;
+  return contact;
+}
+
 Contact read_stop(const Coordinates& coordinates, const Square& inverse_mass, const StopText& text,
                   const std::vector<Contact>& others) {
   Graph& graph = coordinates.graph;
   Names& names = coordinates.names;
-  check_name(names, text.name, "stop", others);
   const std::string& name = text.name.text;
-  Contact stop;
-  stop.name = text.name;
-  stop.count = text.count;
-  stop.where = text.gap.place;
-  stop.law = text.law.place;
+  Contact stop = named_contact(coordinates, text, "stop", text.gap.place, others);
   stop.gap = read_expression(coordinates, text.gap, fmt::format("in the gap of {}", name));
   if (coordinates.has_velocity(stop.gap))
     names.refuse(text.gap.place,
@@ -150,15 +158,10 @@ Contact read_friction(const Coordinates& coordinates, const Square& inverse_mass
                       const std::vector<Contact>& others) {
   Graph& graph = coordinates.graph;
   Names& names = coordinates.names;
-  check_name(names, text.name, "friction", others);
   const std::string& name = text.name.text;
-  Contact friction;
-  friction.name = text.name;
-  friction.count = text.count;
+  Contact friction = named_contact(coordinates, text, "friction", text.speed.place, others);
   friction.is_stop = false;
   friction.states = 3;
-  friction.where = text.speed.place;
-  friction.law = text.law.place;
   friction.rate = read_expression(coordinates, text.speed, fmt::format("in the speed of {}", name));
   if (!coordinates.has_velocity(friction.rate))
     names.refuse(text.speed.place, fmt::format("the speed of {} depends on no velocity", name));
