@@ -4,9 +4,8 @@
 #pragma once
 
 #include <graze/continuation/branch/branch_record.hpp>
-#include <graze/continuation/branch/branch_switching.hpp>
 #include <graze/continuation/branch/branch_task.hpp>
-#include <graze/continuation/conditions/grazing_edge.hpp>
+#include <graze/continuation/conditions/grazing_families.hpp>
 
 #include <functional>
 

@@ -6,7 +6,7 @@
 
 #include <graze/continuation/branch/continuation_options.hpp>
 #include <graze/continuation/branch/points_in_step.hpp>
-#include <graze/continuation/conditions/grazing.hpp>
+#include <graze/continuation/conditions/grazing_edge.hpp>
 #include <graze/continuation/problems/branch_problem.hpp>
 #include <graze/lib/system/symmetry.hpp>
 
@@ -16,12 +16,6 @@
 #include <vector>
 
 namespace graze {
-
-/// The grazing on which a branch ended.
-struct GrazingEnd {
-  LocatedGrazing grazing;
-  bool lost = false;  ///< the branch has the impact; otherwise the orbits beyond gain it
-};
 
 /// What stays the same while branches are followed.
 struct FollowSettings {

@@ -3,13 +3,12 @@
 #pragma once
 
 #include <graze/continuation/branch/branch_record.hpp>
-#include <graze/continuation/conditions/grazing_edge.hpp>
+#include <graze/continuation/conditions/grazing_families.hpp>
 
 namespace graze {
 
-/// `born`: at a special point (Birth). `symmetric`: beyond a grazing too, with the impacts of several contacts that are images of
-/// one another.
-enum class BranchOrigin { seed, born, beyond_grazing, symmetric, multiple };
+/// `born`: at a special point (Birth). `grazing`: at the grazing on which a branch ended (GrazingFamily).
+enum class BranchOrigin { seed, born, grazing };
 
 /// A branch to be followed.
 struct BranchTask {
@@ -18,8 +17,10 @@ struct BranchTask {
   int direction = 1;                    ///< seed: direction of the parameter; born: side of the special point
   std::size_t parent = 0, special = 0;  ///< places of the accepted branch and of its special point
   int generation = 0;
-  int seed = 0;              ///< number of the seed, from 1 (the same for both directions); 0: none
-  TurnPattern pattern = {};  ///< of a multiple
+  int seed = 0;               ///< number of the seed, from 1 (the same for both directions); 0: none
+  GrazingFamily family = {};  ///< at a grazing
+
+  bool is(GrazingFamily::Kind kind) const { return origin == BranchOrigin::grazing && family.kind == kind; }
 };
 
 struct BranchOutcome {

@@ -10,6 +10,12 @@
 
 namespace graze {
 
+/// The grazing on which a branch ended.
+struct GrazingEnd {
+  LocatedGrazing grazing;
+  bool lost = false;  ///< the branch has the impact; otherwise the orbits beyond gain it
+};
+
 struct GrazingEdge {
   double value = 0.0;          ///< of the continuation parameter
   int period = 0;              ///< forcing periods (PeriodicOrbit::period)

@@ -2,7 +2,6 @@
 #include <graze/continuation/graph/branch_graph.hpp>
 
 #include <graze/continuation/branch/branch_end.hpp>
-#include <graze/continuation/branch/branch_switching.hpp>
 #include <graze/continuation/branch/follow_branch.hpp>
 #include <graze/continuation/conditions/grazing_turns.hpp>
 #include <graze/continuation/graph/chatter_series.hpp>
@@ -31,6 +30,7 @@ namespace {
 /// number of threads.
 constexpr std::size_t round_size = 4;
 using Origin = BranchOrigin;
+using Family = GrazingFamily::Kind;
 using Task = BranchTask;
 using Outcome = BranchOutcome;
 
@@ -97,7 +97,7 @@ class Graph {
       for (std::size_t k = 0; k < round.size(); ++k) {
         const bool full = static_cast<int>(graph_.branches.size()) >= options_.max_branches;
         if (!outcomes[k].nothing.empty() && !cancelled()) {
-          if (round[k].origin == Origin::beyond_grazing)
+          if (round[k].is(Family::partner))
             set_scenario_without_partner(graph_.branches[round[k].parent], outcomes[k].nothing, outcomes[k].none);
           cut_off(round[k], std::move(outcomes[k].nothing));
         } else if (outcomes[k].branch && !full) {
@@ -125,7 +125,7 @@ class Graph {
   void cut_off(const Task& task, std::string reason, int families = 0) {
     if (task.origin == Origin::seed) return graph_.cut_off.push_back({0, "seed", std::move(reason)});
     const Branch& parent = graph_.branches[task.parent];
-    if (task.origin == Origin::multiple) reason = "families of several times its period: " + reason;
+    if (task.is(Family::multiple)) reason = "families of several times its period: " + reason;
     CutOff entry{parent.id, parent.special_points[task.special].label, std::move(reason), families};
     const auto same = [&](const CutOff& other) { return other.label == entry.label && other.reason == entry.reason; };
     if (std::none_of(graph_.cut_off.begin(), graph_.cut_off.end(), same)) graph_.cut_off.push_back(std::move(entry));
@@ -230,7 +230,7 @@ class Graph {
     const double before = found.value - (found.value - end.value) / found.ratio;  // last grazing but one
     series_.push_back({branch.period, branch.points.back().impacts, before, found.value});
     cut_off(
-        {Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1},
+        {Origin::grazing, {}, 1, index, branch.special_points.size() - 1},
         fmt::format("a series towards complete chatter, one impact more at each grazing, their distances in the ratio {:.3g}, "
                     "which accumulates at {} = {:.9g}: it is not followed impact by impact",
                     found.ratio, options_.parameter, found.value));
@@ -401,12 +401,8 @@ class Graph {
       return follow_seed(task, provisional_id);
     case Origin::born:
       return follow_born(task, provisional_id);
-    case Origin::beyond_grazing:
-      return follow_beyond_grazing(task, provisional_id);
-    case Origin::symmetric:
-      return follow_symmetric(task, provisional_id);
-    case Origin::multiple:
-      return follow_multiple(task, provisional_id);
+    case Origin::grazing:
+      return follow_from_grazing(task, provisional_id);
     }
     return {};
   }
@@ -468,64 +464,28 @@ class Graph {
     return ends_[index] ? ends_[index] : relocate_grazing_end(system_, graph_.branches[index], options_, low_, high_);
   }
 
-  /// The orbits beyond the grazing, with the impact removed or added: they exist on one side of it only.
-  Outcome follow_beyond_grazing(const Task& task, int provisional_id) const {
+  /// A family that may begin at the grazing on which a branch ended.
+  Outcome follow_from_grazing(const Task& task, int provisional_id) const {
     Outcome out;
-    if (child_at(graph_.branches[task.parent])) return out;
-    const std::optional<GrazingEnd> known_end = grazing_end(task.parent);
-    if (!known_end) {
-      out.nothing = "the grazing was not found again";
-      return out;
-    }
-    GrazingEnd end = *known_end;
-    const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
-    PeriodicOrbit at_grazing = point.orbit;
-    const GrazingEdge partner = partner_edge(point, end.grazing, end.lost, &at_grazing);
-    if (is_known(partner)) return out;
-    OrbitProblem problem = problem_at(at_grazing);
-    const std::optional<BranchStart> start = partner_start(problem, end.grazing, end.lost, options_.trace);
-    out.none = !end.lost && end.grazing.leads_away;
-    if (!start) out.nothing = "no orbit was found beyond the grazing";
+    const bool partner = task.is(Family::partner);
+    const Branch& parent = graph_.branches[task.parent];
+    if (partner && child_at(parent)) return out;
+    const std::optional<GrazingEnd> end = grazing_end(task.parent);
+    if (!end && partner) out.nothing = "the grazing was not found again";
+    const std::optional<GrazingBirth> birth =
+        end ? birth_at_grazing(task.family, parent.special_points[task.special], *end) : std::nullopt;
+    if (!birth || (birth->identified && is_known(birth->edge))) return out;
+    OrbitProblem problem = problem_at(birth->orbit, birth->turns);
+    const std::optional<BranchStart> start = birth->start(problem, options_.trace);
+    out.none = !end->lost && end->grazing.leads_away;
+    if (!start) out.nothing = birth->missing;
     if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
-    out.begins = partner;
-    follow_from(*start, problem, new_branch(task, at_grazing, at_grazing.period, provisional_id), out);
-    if (out.branch && !out.branch->points.empty())
-      out.begins->impacts = out.branch->points.front().impacts;  // more than one if several contacts touch together
-    return out;
-  }
-
-  /// The orbits beyond the grazing of an orbit that is symmetric in itself, with all the impacts that are images of one another.
-  Outcome follow_symmetric(const Task& task, int provisional_id) const {
-    Outcome out;
-    const std::optional<GrazingEnd> known_end = grazing_end(task.parent);
-    if (!known_end || known_end->lost) return out;
-    GrazingEnd end = *known_end;
-    const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
-    PeriodicOrbit at_grazing = point.orbit;
-    GrazingEdge partner = partner_edge(point, end.grazing, end.lost, &at_grazing);
-    OrbitProblem problem = problem_at(at_grazing);
-    const std::optional<BranchStart> start = symmetric_start(problem, end.grazing, options_.trace);
-    if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
-    follow_from(*start, problem, new_branch(task, at_grazing, at_grazing.period, provisional_id), out);
-    if (!out.branch || out.branch->points.empty()) return {};
-    partner.impacts = out.branch->points.front().impacts;
-    out.begins = partner;
-    return out;
-  }
-
-  /// The orbits of a multiple of the period of the grazing orbit, if they exist.
-  Outcome follow_multiple(const Task& task, int provisional_id) const {
-    Outcome out;
-    GrazingEnd end = *ends_[task.parent];
-    const SpecialPoint& point = graph_.branches[task.parent].special_points[task.special];
-    PeriodicOrbit touching;
-    const GrazingEdge edge = pattern_edge(touching_edge(point, end.grazing, end.lost, &touching), task.pattern);
-    if (is_known(edge)) return out;
-    OrbitProblem problem = problem_at(touching, task.pattern.turns);
-    const std::optional<BranchStart> start = multiple_start(problem, end.grazing, task.pattern, options_.trace);
-    if (!start || problem.value(start->u) < low_ || problem.value(start->u) > high_) return out;
-    out.begins = edge;
-    follow_from(*start, problem, new_branch(task, touching, edge.period, provisional_id), out);
+    out.begins = birth->edge;
+    follow_from(*start, problem, new_branch(task, birth->orbit, birth->edge.period, provisional_id), out);
+    const bool found = out.branch && !out.branch->points.empty();
+    if (!found && !birth->identified) return {};
+    // More than one impact more if several contacts touch together.
+    if (found && birth->turns == 1) out.begins->impacts = out.branch->points.front().impacts;
     return out;
   }
 
@@ -561,7 +521,7 @@ class Graph {
     ends_.push_back(std::move(outcome.grazing));
     seeds_.push_back(task.seed);
     graph_.branches.push_back(std::move(branch));
-    const bool longer = task.origin != Origin::seed && task.origin != Origin::beyond_grazing && task.origin != Origin::symmetric;
+    const bool longer = task.origin == Origin::born || task.is(Family::multiple);
     add_tasks(task.generation + (longer ? 1 : 0), std::move(outcome.half));
   }
 
@@ -602,11 +562,11 @@ class Graph {
     if (const std::optional<SeriesLimit> found = choice_.all ? std::nullopt : series_at(index)) {
       end_series(index, *found, generation);
     } else if (branch.stop == BranchStop::grazing) {
-      const Task beyond{Origin::beyond_grazing, {}, 1, index, branch.special_points.size() - 1, generation};
-      tasks_.add(beyond);
-      Task symmetric = beyond;
-      symmetric.origin = Origin::symmetric;
-      tasks_.add(symmetric);
+      Task beyond{Origin::grazing, {}, 1, index, branch.special_points.size() - 1, generation};
+      for (const Family kind : {Family::partner, Family::symmetric}) {
+        beyond.family.kind = kind;
+        tasks_.add(beyond);
+      }
       add_multiples(beyond);
     }
     if (branch.stop == BranchStop::step_too_small)
@@ -632,7 +592,7 @@ class Graph {
   void add_multiples(const Task& beyond) {
     if (beyond.generation >= options_.switch_generations || options_.max_multiple < 2) return;
     Task task = beyond;
-    task.origin = Origin::multiple;
+    task.family.kind = Family::multiple;
     if (!ends_[beyond.parent]) return cut_off(task, "the grazing was not found again");
     GrazingEnd end = *ends_[beyond.parent];
     PeriodicOrbit orbit;
@@ -644,7 +604,7 @@ class Graph {
     const int most = options_.max_multiple;
     const int longest = options_.max_period > 0 ? std::min(most, options_.max_period / touching.period) : most;
     for (const TurnPattern pattern : patterns_up_to(longest, end.lost)) {
-      task.pattern = pattern;
+      task.family.pattern = pattern;
       tasks_.add(task);
     }
     if (const int others = families_not_followed(end.grazing, static_cast<int>(orbit.nodes.size()), longest); others > 0)

@@ -12,7 +12,7 @@ namespace graze {
 
 class TaskQueues {
  public:
-  void add(BranchTask task) { queue_of(task.origin).push_back(std::move(task)); }
+  void add(BranchTask task) { queue_of(task).push_back(std::move(task)); }
   bool empty() const { return others_.empty() && seeds_.empty() && multiples_.empty(); }
 
   /// Removes and returns the tasks of the next round, which run in parallel: about `most`.
@@ -40,8 +40,8 @@ class TaskQueues {
   }
 
  private:
-  std::deque<BranchTask>& queue_of(BranchOrigin origin) {
-    return origin == BranchOrigin::seed ? seeds_ : origin == BranchOrigin::multiple ? multiples_ : others_;
+  std::deque<BranchTask>& queue_of(const BranchTask& task) {
+    return task.origin == BranchOrigin::seed ? seeds_ : task.is(GrazingFamily::Kind::multiple) ? multiples_ : others_;
   }
 
   std::deque<BranchTask> others_, seeds_, multiples_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/continuation/branch/branch_switching.hpp>
+#include <graze/continuation/conditions/grazing_families.hpp>
 
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
@@ -49,8 +49,6 @@ std::optional<SignatureEquations::Violation> violation_beyond(SignatureStart& fr
   if (tangent.size() == 0 || !correct(zero, tangent, u, options).converged()) return SignatureEquations::Violation{};
   return from.problem.violation(u);
 }
-
-}  // namespace
 
 std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGrazing& grazing, bool lost,
                                          const TraceOptions& options) {
@@ -170,6 +168,36 @@ std::optional<BranchStart> multiple_start(OrbitProblem& problem, const LocatedGr
   SignatureStart start = start_with(problem, grazing.orbit, nodes, problem.value(grazing.u), std::move(added));
   if (violation_beyond(start, options)) return std::nullopt;
   return start.start;
+}
+
+}  // namespace
+
+std::optional<GrazingBirth> birth_at_grazing(const GrazingFamily& family, const SpecialPoint& point, const GrazingEnd& end) {
+  using Kind = GrazingFamily::Kind;
+  if (family.kind == Kind::symmetric && end.lost) return std::nullopt;
+  GrazingBirth birth;
+  LocatedGrazing grazing = end.grazing;  // in the least period of the family's touching orbit
+  if (family.kind == Kind::multiple) {
+    birth.edge = pattern_edge(touching_edge(point, grazing, end.lost, &birth.orbit), family.pattern);
+    birth.turns = family.pattern.turns;
+    birth.start = [grazing, pattern = family.pattern](OrbitProblem& problem, const TraceOptions& options) {
+      return multiple_start(problem, grazing, pattern, options);
+    };
+    return birth;
+  }
+  birth.edge = partner_edge(point, grazing, end.lost, &birth.orbit);
+  birth.identified = family.kind == Kind::partner;
+  if (family.kind == Kind::partner) {
+    birth.missing = "no orbit was found beyond the grazing";
+    birth.start = [grazing, lost = end.lost](OrbitProblem& problem, const TraceOptions& options) {
+      return partner_start(problem, grazing, lost, options);
+    };
+  } else {
+    birth.start = [grazing](OrbitProblem& problem, const TraceOptions& options) {
+      return symmetric_start(problem, grazing, options);
+    };
+  }
+  return birth;
 }
 
 void confirm_scenario(SpecialPoint& grazing, const Branch& ended, const Branch& beyond, bool begins) {
