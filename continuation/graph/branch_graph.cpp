@@ -384,13 +384,21 @@ class Graph {
 
   // The functions from here to accept() run in parallel and only read the graph.
 
-  /// Follows one task. A branch that cannot be started must not lose the results so far.
+  /// Follows one task. A branch that cannot be started must not lose the results so far; that of a seed is listed as failed.
   Outcome follow(const Task& task, int provisional_id) const {
     try {
       return follow_origin(task, provisional_id);
     } catch (const std::invalid_argument& refused) {
       Outcome out;
-      out.nothing = fmt::format("the branch could not be started ({})", refused.what());
+      std::string message = fmt::format("the branch could not be started ({})", refused.what());
+      if (task.origin != Origin::seed) {
+        out.nothing = std::move(message);
+        return out;
+      }
+      out.branch = new_branch(task, task.orbit, task.orbit.period, provisional_id);
+      out.branch->stop = BranchStop::start_failed;
+      out.branch->stop_value = value_of(task.orbit);
+      out.branch->message = std::move(message);
       return out;
     }
   }

@@ -151,16 +151,17 @@ class BranchProblem {
   /// The parameters of the orbit at u. A value that rounding of the corrector has carried just beyond the parameter's range is
   /// put back onto its end.
   Vector parameters_at(const Vector& u) const;
-  /// Gives the equations the parameters at u. False: they refuse them, and failure_ says why.
+  /// Gives the equations the parameters at u. False: they refuse them and keep those before, and failure_ says why.
   template <class Equations> bool set_value(Equations& equations, const Vector& u) {
-    p_ = parameters_at(u);
+    Vector p = parameters_at(u);
     try {
-      equations.set_parameters(p_);
-      return true;
+      equations.set_parameters(p);
     } catch (const std::invalid_argument& refused) {
       failure_ = refused.what();
       return false;
     }
+    p_ = std::move(p);
+    return true;
   }
   /// Takes over the unit of length and the pinned states.
   void measure_as(const BranchProblem& other) {
