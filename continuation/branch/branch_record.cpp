@@ -59,10 +59,19 @@ void BranchRecord::begin(BranchProblem& problem, const Vector& u) {
   mark(problem, u, PointType::EP);
 }
 
-void BranchRecord::clear() {
-  branch_.points.clear();
-  branch_.special_points.clear();
+BranchRecord::Mark BranchRecord::mark() const {
+  return {branch_.points.size(), branch_.special_points.size(), last_, earlier_, ending_};
 }
+
+void BranchRecord::roll_back(const Mark& mark) {
+  branch_.points.resize(mark.points);
+  branch_.special_points.resize(mark.special_points);
+  last_ = mark.last;
+  earlier_ = mark.earlier;
+  ending_ = mark.ending;
+}
+
+void BranchRecord::clear() { roll_back({}); }
 
 bool BranchRecord::take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
                         std::vector<PointInStep> met, const std::optional<Corner>& corner) {

@@ -17,7 +17,7 @@
 
 namespace graze {
 
-/// What stays the same while branches are followed.
+/// The setting in which branches are followed.
 struct FollowSettings {
   SharedSystem system;
   ContinuationOptions options;
@@ -67,6 +67,10 @@ class BranchRecord {
   bool end_on_bound(BranchProblem& problem);
   /// Adds a special point that needs no location.
   void mark(BranchProblem& problem, const Vector& u, PointType type);
+  /// A state of the record, to which it can be rolled back.
+  struct Mark;
+  Mark mark() const;
+  void roll_back(const Mark& mark);
   /// Removes all points: the branch begins again.
   void clear();
 
@@ -95,6 +99,13 @@ class BranchRecord {
   EarlierValues earlier_;
   std::optional<BranchEnding> ending_;  // met in the last step
   bool interrupted_ = false;
+};
+
+struct BranchRecord::Mark {
+  std::size_t points = 0, special_points = 0;
+  Vector last = {};
+  EarlierValues earlier = {};
+  std::optional<BranchEnding> ending = {};
 };
 
 /// Handles the end of the range: moves the end of the step onto it. Empty if the step does not reach it. A step that begins on

@@ -33,7 +33,7 @@ std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart
   const SignatureProblem moved(problem.system(), problem.equations().parameters(), problem.period(), here->sequence,
                                problem.parameter(), problem.scale(), problem.equations().options());
   out.u = moved.pack(*here, problem.value(start.u));
-  out.orientation = start.orientation[start.orientation.size() - 1] * moved.parameter_direction();
+  out.orientation = problem.value(start.orientation) * moved.parameter_direction();
   // If only the parameter gives the direction, differences are useless: the displaced states are no orbits.
   if (start.orientation.head(start.orientation.size() - 1).isZero(0.0)) return out;
   // The direction by finite differences. The difference is small against the square of the speed of a weak impact, because the
@@ -68,7 +68,7 @@ std::optional<BranchStart> continuation_in_states(OrbitProblem& problem, const S
   BranchStart from;
   from.u = there.pack(end.nodes, end.duration, end.value);
   const Vector& tangent = curve.points.back().tangent;
-  const double way = tangent.size() > 0 ? std::copysign(1.0, tangent[tangent.size() - 1]) : 1.0;
+  const double way = tangent.size() > 0 ? std::copysign(1.0, signature.value(tangent)) : 1.0;
   from.orientation = way * there.parameter_direction();
   problem = std::move(there);
   problem.measure_by(from.u);
@@ -132,7 +132,7 @@ std::optional<GrazingEnd> finish(BranchProblem& problem, Followed followed, Bran
   const bool broken_off = why == TraceStop::min_step || why == TraceStop::start_failed;
   const bool released = curve.first_failed && problem.kept_states(*curve.first_failed).size() < problem.pinned().size();
   if (broken_off && states && !released) {
-    const double onwards = curve.points.empty() ? 0.0 : curve.points.back().tangent[curve.points.back().tangent.size() - 1];
+    const double onwards = curve.points.empty() ? 0.0 : problem.value(curve.points.back().tangent);
     grazing = grazing_at_failure(*states, onwards, branch);
   }
   if (grazing) {

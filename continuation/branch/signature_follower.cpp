@@ -2,6 +2,7 @@
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/branch/signature_follower.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
+#include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <fmt/format.h>
 
@@ -23,7 +24,7 @@ std::optional<CurvePoint> special_point_near_grazing(SignatureProblem& problem, 
     bool operator==(const Signs&) const = default;
   };
   const auto signs = [&](const Vector& u, const Vector& tangent) {
-    return Signs{tangent[tangent.size() - 1] < 0.0, problem.cyclic(u, -1.0).real().partialPivLu().determinant() < 0.0};
+    return Signs{problem.value(tangent) < 0.0, OrbitLU<Matrix>(problem.cyclic(u, -1.0).real()).sign_of_determinant() < 0.0};
   };
   const Vector tangent = tangent_at(zero, grazing, point.tangent);
   if (tangent.size() == 0) return std::nullopt;
@@ -157,15 +158,19 @@ bool SignatureFollower::reaches_grazing(const CurvePoint& before, CurvePoint& af
     point = problem_.branch_point(last.u, record_.branch().points.back().arclength + kept * length);
   hi = 1.0;
   if (!narrow_bracket(0.0)) return false;
-  const std::size_t parameter = parameter_index(settings_.system->parameters, settings_.options.parameter);
   // Added to the width of the bracket: the effect of rounding in a speed or a gap.
   constexpr double next_to = 1e-7;
-  std::optional<GrazingAhead> ahead = grazing_ahead(problem_, good, *beyond, parameter, next_to + 4.0 * (hi - lo) * length);
+  std::optional<GrazingAhead> ahead =
+      grazing_ahead(problem_, good, *beyond, problem_.parameter(), next_to + 4.0 * (hi - lo) * length);
   if (!ahead) return false;
   // Special points before the grazing are located in this step; the multipliers at the grazing itself are singular.
+  const BranchRecord::Mark mark = record_.mark();
   if (point.multipliers.valid && !record_.take(problem_, before, last, std::move(point), {})) return false;
   if (!(kept > 0.0 && last.tangent.size() > 0)) last = before;
-  if (!append_points_before_grazing(ahead->u, last)) return false;
+  if (!append_points_before_grazing(ahead->u, last)) {
+    record_.roll_back(mark);
+    return false;
+  }
   Branch& branch = record_.branch();
   const int impacts = branch.points.back().impacts;
   branch.special_points.push_back(

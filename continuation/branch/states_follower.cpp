@@ -126,8 +126,7 @@ Curve StatesFollower::follow(const BranchStart& given) {
     const double small = 1e-8 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
     const auto here = move(start), before = move(start - small * direction);
     if (!here) return;
-    direction =
-        before ? Vector((*here - *before) / small) : Vector(direction[direction.size() - 1] * moved.parameter_direction());
+    direction = before ? Vector((*here - *before) / small) : Vector(moved.value(direction) * moved.parameter_direction());
     start = *here;
     moved.pin_as(problem_, start);
     problem_ = std::move(moved);
@@ -156,7 +155,7 @@ Curve StatesFollower::follow(const BranchStart& given) {
       return monitor(before, after);
     };
     curve = trace(zero, start, direction, trace_options, on_branch, closure_points);
-    const Vector plain = std::copysign(1.0, direction[direction.size() - 1]) * problem_.parameter_direction();
+    const Vector plain = std::copysign(1.0, problem_.value(direction)) * problem_.parameter_direction();
     if (curve.stop == TraceStop::start_failed && record_.empty() && direction != plain) {
       direction = plain;
       continue;
@@ -164,7 +163,7 @@ Curve StatesFollower::follow(const BranchStart& given) {
     if (curve.stop == TraceStop::monitor && holds_more_) {
       trace_options.initial_step = 1e-6;
       start = record_.last();
-      direction = std::copysign(1.0, direction[direction.size() - 1]) * pin_what_is_held();
+      direction = std::copysign(1.0, problem_.value(direction)) * pin_held_states();
       continue;
     }
     // A start that fails may be the last point of the branch, too close to a kink to be reproduced.
@@ -203,7 +202,7 @@ Curve StatesFollower::follow(const BranchStart& given) {
     origin.reset();
     OrbitProblem at_first = problem_.with_section(first_section);
     if (const auto u = at_first.to_section(problem_, first->u)) {
-      const double forward = std::copysign(1.0, first->tangent[first->tangent.size() - 1]);
+      const double forward = std::copysign(1.0, problem_.value(first->tangent));
       origin.emplace();
       origin->u = *u;
       origin->tangent = tangent_at(problem_.zero_problem(), *u, forward * problem_.parameter_direction());
@@ -244,7 +243,7 @@ Verdict StatesFollower::monitor(const CurvePoint& before, CurvePoint& after) {
   holds_more_ = point.signature != branch.points.back().signature && holds_more(problem_, after.u);
   if (holds_more_ || is_kink(branch.points.back(), point)) {
     if (!close) return Verdict::reject;
-    const bool rises = problem_.value(after.u) > problem_.value(before.u), rose = before.tangent[before.tangent.size() - 1] > 0.0;
+    const bool rises = problem_.value(after.u) > problem_.value(before.u), rose = problem_.value(before.tangent) > 0.0;
     append_beyond_kink(after.u, std::move(point), rises == rose);
     holds_more_ = holds_more_ && !end;
     return end || holds_more_ ? Verdict::stop : Verdict::go_on;
@@ -268,14 +267,14 @@ double StatesFollower::better_section(const Vector& u) const {
 }
 
 bool StatesFollower::step_over_kink(CurvePoint& last) {
-  const double onwards = std::copysign(1.0, last.tangent[last.tangent.size() - 1]);
+  const double onwards = std::copysign(1.0, problem_.value(last.tangent));
   std::optional<BeyondKink> beyond = beyond_kink(problem_, last, record_.branch().points.back(), settings_.options.trace,
                                                  [this] { return record_.interrupted_now(); });
   if (!beyond) return false;
   last = std::move(beyond->curve);
   holds_more_ = holds_more(problem_, last.u);
   append_beyond_kink(last.u, std::move(beyond->point), beyond->goes_on);
-  if (holds_more_) last.tangent = (beyond->goes_on ? onwards : -onwards) * pin_what_is_held();
+  if (holds_more_) last.tangent = (beyond->goes_on ? onwards : -onwards) * pin_held_states();
   return true;
 }
 
@@ -297,7 +296,7 @@ void StatesFollower::append_beyond_kink(const Vector& u, BranchPoint point, bool
   record_.append_apart(u, std::move(point));
 }
 
-Vector StatesFollower::pin_what_is_held() {
+Vector StatesFollower::pin_held_states() {
   problem_.pin(problem_.kept_states(record_.last()));
   holds_more_ = false;
   return problem_.parameter_direction();

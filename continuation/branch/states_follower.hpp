@@ -32,7 +32,7 @@ class StatesFollower {
   void append_beyond_kink(const Vector& u, BranchPoint point, bool goes_on);
   /// From the last point on, pins the place of the bodies that friction holds. Returns the direction in which the parameter
   /// grows.
-  Vector pin_what_is_held();
+  Vector pin_held_states();
 
   const FollowSettings& settings_;
   OrbitProblem& problem_;

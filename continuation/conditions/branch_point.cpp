@@ -79,12 +79,12 @@ TestFunction branch_point_test() {
   test.value = [](const TestPoint& point) {
     std::complex<double> product = 1.0;
     for (const auto& mu : nontrivial(point.branch.multipliers)) product *= (mu - 1.0) / (1.0 + std::abs(mu));
-    const double parameter_component = point.curve.tangent[point.curve.tangent.size() - 1];
+    const double parameter_component = point.parameter_rate();
     return std::copysign(product.real(), product.real() * parameter_component);
   };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
     if (stands_still(before, after)) return false;
-    const auto goes_up = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1] > 0.0; };
+    const auto goes_up = [](const TestPoint& point) { return point.parameter_rate() > 0.0; };
     const bool passes = (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1, turns = goes_up(before) != goes_up(after);
     return passes != turns;
   };

@@ -12,7 +12,7 @@ TestFunction fold_test() {
   TestFunction test;
   test.type = PointType::LP;
   test.summary = "fold: the parameter's component of the tangent passes zero (a multiplier passes +1)";
-  test.value = [](const TestPoint& point) { return point.curve.tangent[point.curve.tangent.size() - 1]; };
+  test.value = [](const TestPoint& point) { return point.parameter_rate(); };
   test.confirm = [](const TestPoint& before, const TestPoint& after) {
     return !stands_still(before, after) && (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1;
   };

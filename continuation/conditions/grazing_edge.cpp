@@ -22,13 +22,13 @@ int to_least_period(PeriodicOrbit& orbit, LocatedGrazing& grazing) {
     if (orbit.period % period != 0 || nodes * period % orbit.period != 0) continue;
     const Vector u = grazing.u.head(nodes * n);
     if ((u.tail(nodes * n - shift) - u.head(nodes * n - shift)).lpNorm<Eigen::Infinity>() > 1e-10) continue;
-    // Behind the nodes stand the duration, if it is an unknown, and the parameter's value.
+    // Behind the nodes stand the duration of an autonomous orbit, and the parameter's value.
     const double part = static_cast<double>(period) / orbit.period;
     const auto shorten = [&](Vector& v) {
       const Eigen::Index others = v.size() - nodes * n;
       Vector kept(shift + others);
       kept << v.head(shift), v.tail(others);
-      if (others > 1) kept[shift] *= part;
+      if (orbit.multipliers.section == Section::autonomous) kept[shift] *= part;
       v = kept;
     };
     shorten(grazing.u);

@@ -25,6 +25,9 @@ class BranchProblem;
 struct TestPoint {
   const CurvePoint& curve;
   const BranchPoint& branch;
+
+  /// Rate of the parameter along the curve, by its arclength: a branch has one free parameter, the last unknown.
+  double parameter_rate() const { return curve.tangent[curve.tangent.size() - 1]; }
 };
 
 struct TestFunction {

@@ -24,9 +24,7 @@ const Birth* born_at(const SpecialPoint& point, const std::vector<TestFunction>&
 bool stands_still(const TestPoint& before, const TestPoint& after) {
   // If a fold lay this close to both points, the value would change by about the square of the step.
   constexpr double tangent = 1e-9, least_step = 1e-6, rounding = 1e-14;
-  const auto still = [](const TestPoint& point) {
-    return std::abs(point.curve.tangent[point.curve.tangent.size() - 1]) < tangent;
-  };
+  const auto still = [](const TestPoint& point) { return std::abs(point.parameter_rate()) < tangent; };
   const double change = std::abs(after.branch.value - before.branch.value);
   return still(before) && still(after) && std::abs(after.curve.arclength - before.curve.arclength) > least_step &&
          change <= rounding * (1.0 + std::abs(before.branch.value));

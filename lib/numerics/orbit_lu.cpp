@@ -27,8 +27,7 @@ template <class SquareMatrix> struct OrbitLU<SquareMatrix>::Factors {
   std::optional<Eigen::SparseLU<Eigen::SparseMatrix<Scalar>>> sparse;
 };
 
-template <class SquareMatrix>
-OrbitLU<SquareMatrix>::OrbitLU(const SquareMatrix& A) : factors_(std::make_unique<Factors>(A)) {}
+template <class SquareMatrix> OrbitLU<SquareMatrix>::OrbitLU(const SquareMatrix& A) : factors_(std::make_unique<Factors>(A)) {}
 
 template <class SquareMatrix> OrbitLU<SquareMatrix>::~OrbitLU() = default;
 
@@ -38,6 +37,14 @@ template <class SquareMatrix> auto OrbitLU<SquareMatrix>::solve(const Column& ri
 
 template <class SquareMatrix> auto OrbitLU<SquareMatrix>::solve_adjoint(const Column& right) const -> Column {
   return factors_->sparse ? Column(factors_->sparse->adjoint().solve(right)) : Column(factors_->dense.adjoint().solve(right));
+}
+
+template <class SquareMatrix>
+double OrbitLU<SquareMatrix>::sign_of_determinant() const requires std::same_as<typename SquareMatrix::Scalar, double> {
+  if (factors_->sparse) return factors_->sparse->signDeterminant();
+  double sign = static_cast<double>(factors_->dense.permutationP().determinant());
+  for (const double pivot : factors_->dense.matrixLU().diagonal()) sign *= pivot > 0.0 ? 1.0 : pivot < 0.0 ? -1.0 : 0.0;
+  return sign;
 }
 
 template class OrbitLU<Matrix>;

@@ -96,6 +96,7 @@ TEST_CASE("an orbit at its grazing is reduced to its least period, with the dura
     orbit.nodes = {a, b, a, b};
     orbit.state = a;
     orbit.states = {a, a};
+    if (autonomous) orbit.multipliers.section = Section::autonomous;
     LocatedGrazing grazing;
     grazing.u = autonomous ? Vector{{1, 2, 3, 4, 1, 2, 3, 4, duration, value}} : Vector{{1, 2, 3, 4, 1, 2, 3, 4, value}};
     grazing.family_dp = grazing.u;
