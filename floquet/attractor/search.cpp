@@ -44,7 +44,7 @@ constexpr std::size_t most_events = 1000;
 
 }  // namespace
 
-/// The nodes of a start: Newton's method ends where it is hopeless, and takes no step to beyond the box. (In
+/// The nodes of a start: Newton's method ends where it is hopeless, and takes no step out of the box. (In
 /// no unnamed namespace: g++ 12 warns of tasks that hold one's types.)
 class QuickNodes : public ShootingNodes {
  public:

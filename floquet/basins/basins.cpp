@@ -53,7 +53,7 @@ class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options, Basins out)
       : system_(system), p_(p), starts_(starts), options_(options), at_once_(motions_at_once(system, p, options.flow)),
-        scout_(system, p, starts, options.flow), out_(std::move(out)) {
+        probe_(system, p, starts, options.flow), out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) {
       std::vector<Vector> before = found.states;
       known_.add(describe(found));
@@ -99,7 +99,7 @@ class Search {
         std::vector<Watch> watches;
         watches.reserve(its.size());
         for (const std::size_t k : its) watches.emplace_back(*this, runs[k], todo[k], first);
-        carry_all_watched(system_, p_, options_.flow, {scout_.table(), known_.ellipses()}, watches,
+        carry_all_watched(system_, p_, options_.flow, {probe_.table(), known_.ellipses()}, watches,
                           [this] { return cancelled(); });
       });
       std::vector<std::size_t> left;
@@ -348,7 +348,7 @@ class Search {
     finding.lyapunov.max_periods = options_.periods;
     finding.lyapunov.flow = options_.flow;
     finding.lyapunov.all_threads = true;
-    finding.lyapunov.table = scout_.table();
+    finding.lyapunov.table = probe_.table();
     finding.lyapunov.cancelled = options_.cancelled;
     Attractor attractor = find_attractor(system_, p_, run.state, finding);
     run.periods += attractor.time_average.periods;
@@ -372,7 +372,7 @@ class Search {
       known.orbit = trapping_region(system_, p_, attractor.state, attractor.period, options_.flow);
       states = known.orbit.centres;
     } else {
-      states = scout_.states(attractor, static_cast<std::size_t>(std::max(1, options_.periods)));
+      states = probe_.states(attractor, static_cast<std::size_t>(std::max(1, options_.periods)));
       known.cells = VisitedCells(states);
     }
     if (all) *all = states;
@@ -395,7 +395,7 @@ class Search {
   const Matrix& starts_;
   const BasinOptions& options_;
   const std::size_t at_once_;
-  ContactTableProbe scout_;
+  ContactTableProbe probe_;
   Basins out_;
   AttractorClassifier known_;
   std::mutex telling_;

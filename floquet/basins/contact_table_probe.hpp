@@ -17,7 +17,7 @@ class ContactTableProbe {
   ContactTableProbe(const SharedSystem& system, const Vector& p, const Matrix& starts, const FlowOptions& flow = {});
 
   /// Null: the lanes do not support the oscillator, or a table does not pay.
-  const ContactTable* table() const { return table_; }
+  const std::shared_ptr<const ContactTable>& table() const { return table_; }
   /// The states of a motion at forcing phase 0, from `start` on; fewer than `count` if it cannot be continued. Called by one
   /// thread at a time.
   std::vector<Vector> states(const Vector& start, std::size_t count) const;
@@ -31,7 +31,7 @@ class ContactTableProbe {
   Vector p_;
   FlowOptions flow_;
   std::unique_ptr<LaneCarrier> many_;
-  const ContactTable* table_ = nullptr;
+  std::shared_ptr<const ContactTable> table_ = nullptr;
 };
 
 }  // namespace graze

@@ -18,6 +18,7 @@
 #include <graze/lib/motion/transition.hpp>
 
 #include <functional>
+#include <memory>
 
 namespace graze {
 
@@ -56,7 +57,7 @@ struct LyapunovOptions {
   /// arena (oneTBB); the result does not depend on this. table: contacts come from this precomputed table for the same
   /// parameters; the result changes by the errors of the table.
   bool all_threads = false;
-  const ContactTable* table = nullptr;
+  std::shared_ptr<const ContactTable> table = nullptr;
   std::function<bool()> cancelled =
       {};  ///< called before each period, or before every 8 of several motions; in lanes every 32 to 256 periods
   std::function<void(std::int64_t periods)> progress = {};

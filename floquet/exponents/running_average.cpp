@@ -216,7 +216,7 @@ LyapunovSpectrum lane_spectrum(LaneCarrier& many, const Vector& start, const Lya
   initial_mode(many.system(), 0.0, start, p);
   if (options.all_threads) many.use_all_threads();
   const std::size_t threads = options.all_threads ? available_threads() : 1;
-  if (options.table) many.use(set, *options.table);
+  if (options.table) many.use(set, options.table);
   LaneMotions average({p, start}, set, options, forcing_period(many.system(), p));
   std::vector<MotionStart> motions;
   std::vector<PeriodResult> results;

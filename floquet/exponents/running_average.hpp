@@ -26,7 +26,7 @@ LyapunovSpectrum lane_spectrum(LaneCarrier& many, const Vector& start, const Lya
 LyapunovSpectrum frame_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
 
 /// An average taken for a task of a pool, with pauses: in lanes as lane_spectrum, or along one motion by a Propagator, as the
-/// slot carries its motions. The caller keeps the system and the options alive.
+/// slot carries its motions.
 class RunningAverage {
  public:
   RunningAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);

@@ -50,7 +50,7 @@ MapSetting map_setting(const HybridSystem& system, const Vector& p, const Parame
 
 int MapChain::column(std::size_t number) const {
   const int place = static_cast<int>(number);
-  return column_ + (layer_.follow == MapDirection::down ? count_ - 1 - place : place);
+  return column_ + (layer().follow == MapDirection::down ? count_ - 1 - place : place);
 }
 
 std::size_t MapChain::stretch() const { return size() <= short_row ? size() : Row::stretch_of(size()); }
@@ -62,29 +62,29 @@ MotionTask<RowChain::Found> MapChain::find(TaskSlot& slot, Begin begin, std::fun
   Found out;
   out.failed = cancelled();
   if (out.failed) co_return out;
-  Vector p = map_.p;
-  p[map_.row_parameter] = map_.grid.rows.at(row_);
-  p[map_.column_parameter] = map_.grid.columns.at(column(begin.number));
+  Vector p = map_->p;
+  p[map_->row_parameter] = map_->grid.rows.at(row_);
+  p[map_->column_parameter] = map_->grid.columns.at(column(begin.number));
   if (begin.state.size() > 0) {
     Vector before = p;
-    before[map_.column_parameter] = map_.grid.columns.at(column(begin.number - 1));
-    keep_held(map_.system, 0.0, before, p, begin.state);
+    before[map_->column_parameter] = map_->grid.columns.at(column(begin.number - 1));
+    keep_held(map_->system, 0.0, before, p, begin.state);
   }
   // The layer's start serves where there is no state of a neighbour, or where that now lies inside a barrier.
-  const bool goes_on = begin.state.size() > 0 && mode_at(map_.system, 0.0, begin.state, p);
-  const Vector start = goes_on ? begin.state : layer_.start(p);
-  out.point.inadmissible = !goes_on && !mode_at(map_.system, 0.0, start, p);
+  const bool goes_on = begin.state.size() > 0 && mode_at(map_->system, 0.0, begin.state, p);
+  const Vector start = goes_on ? begin.state : layer().start(p);
+  out.point.inadmissible = !goes_on && !mode_at(map_->system, 0.0, start, p);
   out.revokes = out.point.inadmissible;
   if (out.point.inadmissible) co_return out;
-  AttractorOptions finding = goes_on ? map_.from_neighbour : map_.from_start;
+  AttractorOptions finding = goes_on ? map_->from_neighbour : map_->from_start;
   finding.lyapunov.cancelled = cancelled;
   Attractor& attractor = out.point.attractor;
-  attractor = co_await approach_attractor(slot, map_.system, p, start, finding);
+  attractor = co_await approach_attractor(slot, map_->system, p, start, finding);
   if (attractor.termination == Termination::time && attractor.type != AttractorType::periodic) {
     out.point.end = attractor.state;
     publish(attractor.state);
   }
-  co_await average_on_attractor(slot, map_.system, p, attractor, finding);
+  co_await average_on_attractor(slot, map_->system, p, attractor, finding);
   const bool periodic = attractor.type == AttractorType::periodic, lost = is_lost(attractor);
   // A signal may have cut the average short, which an undecided attractor does not show.
   out.failed = !periodic && cancelled();
@@ -92,7 +92,7 @@ MotionTask<RowChain::Found> MapChain::find(TaskSlot& slot, Begin begin, std::fun
   if (lost) out.point.end = Vector();
   if (periodic) out.point.end = attractor.state;
   if (lost || out.failed) co_return out;
-  if (map_.options.measure) out.point.quantities = map_.options.measure(p, attractor);
+  if (map_->options.measure) out.point.quantities = map_->options.measure(p, attractor);
   if (!periodic && begin.compared) co_await sample_attractor(slot, p, samples, out.point);
   if (periodic) out.point.states = attractor.orbit->states;
   attractor.orbit.reset();

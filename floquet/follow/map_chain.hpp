@@ -6,13 +6,15 @@
 #include <graze/floquet/follow/parameter_map.hpp>
 #include <graze/floquet/follow/row.hpp>
 
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace graze {
 
 /// Settings common to all points of a map.
 struct MapSetting {
-  HybridSystem system;
+  SharedSystem system;
   Vector p;
   ParameterGrid grid;
   std::vector<MapLayer> layers;
@@ -27,9 +29,9 @@ MapSetting map_setting(const HybridSystem& system, const Vector& p, const Parame
 
 class MapChain : public RowChain {
  public:
-  /// `count` points from column `column` on, in the direction of the layer. A reference to the setting is kept.
-  MapChain(const MapSetting& map, std::size_t layer, int row, int column, int count)
-      : map_(map), layer_(map.layers[layer]), row_(row), column_(column), count_(count) {}
+  /// `count` points from column `column` on, in the direction of the layer.
+  MapChain(std::shared_ptr<const MapSetting> map, std::size_t layer, int row, int column, int count)
+      : map_(std::move(map)), layer_(layer), row_(row), column_(column), count_(count) {}
 
   /// Column of a point.
   int column(std::size_t number) const;
@@ -41,8 +43,10 @@ class MapChain : public RowChain {
                          std::function<void(const Vector& state)> publish) const override;
 
  private:
-  const MapSetting& map_;
-  const MapLayer& layer_;
+  const MapLayer& layer() const { return map_->layers[layer_]; }
+
+  std::shared_ptr<const MapSetting> map_;
+  std::size_t layer_;
   int row_, column_, count_;
 };
 

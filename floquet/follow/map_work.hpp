@@ -47,7 +47,7 @@ class MapWork {
     std::atomic<std::size_t> left = 0;  ///< rows of the runner that are not finished
   };
 
-  const MapSetting map_;
+  const std::shared_ptr<const MapSetting> map_;
   const std::size_t threads_;
   const Done done_;
   const bool followed_;                  ///< some layers are followed

@@ -16,12 +16,12 @@ namespace graze {
 ///   Unknowns                          of the orbit (copyable)
 ///   carry(trial)                      co_await: carries the motions from the nodes
 ///   residual(trial)                   of these motions, relative to size(trial); nullopt: they do not reach the next nodes
-///   accept()                          the motions carried last are those of u
+///   accept()                          u is the trial carried last
 ///   gives_up(report)                  whether to end here; the report is then not converged, unless it was before
 ///   solve(u)                          length of the step -J^{-1} F at u; not finite: J is singular
 ///   size(u)                           1 + |u|
 ///   move(u, factor, trial)            trial = u + factor step
-/// (The motions carried last need not be those of u.)
+/// At the end the motions carried last need not be those of u: the last trial may have been rejected.
 template <class Nodes>
 MotionTask<NewtonReport> newton_on_nodes(Nodes& nodes, const DampedNewtonRule& rule, typename Nodes::Unknowns& u) {
   DampedNewton newton(rule);

@@ -55,8 +55,7 @@ struct LaneCarrier::Set {
   std::unique_ptr<Propagator> propagator = nullptr;  ///< for periods that the lanes give up; made on demand
   bool awaits_table = false;
   lanes::SpeedHistogram met = {};  ///< filled while awaits_table
-  std::unique_ptr<ContactTable> own_table = nullptr;
-  const ContactTable* table = nullptr;
+  std::shared_ptr<const ContactTable> table = nullptr;
   lanes::ContactPieces pieces = {};  ///< view of the table
 };
 
@@ -151,16 +150,16 @@ void LaneCarrier::expect(std::size_t parameters, std::int64_t periods) {
     set.awaits_table = true;
 }
 
-void LaneCarrier::use(std::size_t parameters, const ContactTable& table) {
+void LaneCarrier::use(std::size_t parameters, std::shared_ptr<const ContactTable> table) {
   Set& set = set_of(parameters);
-  if (!table.made_for(set.oscillator.coefficients))
+  if (!table->made_for(set.oscillator.coefficients))
     throw std::invalid_argument(fmt::format("the table of contacts is not one of parameter set {}", parameters));
   set.awaits_table = false;
-  set.table = &table;
-  set.pieces = table.pieces();
+  set.table = std::move(table);
+  set.pieces = set.table->pieces();
 }
 
-const ContactTable* LaneCarrier::table(std::size_t parameters) const { return set_of(parameters).table; }
+std::shared_ptr<const ContactTable> LaneCarrier::table(std::size_t parameters) const { return set_of(parameters).table; }
 
 bool LaneCarrier::awaits_table(std::size_t parameters) const { return set_of(parameters).awaits_table; }
 
@@ -171,8 +170,7 @@ void LaneCarrier::make_pending_table(Set& set) {
   const auto& met = set.met.of_band;
   if (!set.awaits_table || std::accumulate(met.begin(), met.end(), std::int64_t{0}) < contacts_before_table) return;
   set.awaits_table = false;
-  set.own_table = std::make_unique<ContactTable>(*system_, set.p, speeds_of(set.met), width_);
-  set.table = set.own_table.get();
+  set.table = std::make_shared<const ContactTable>(*system_, set.p, speeds_of(set.met), width_);
   set.pieces = set.table->pieces();
 }
 

@@ -115,11 +115,11 @@ class LaneCarrier {
   /// Makes a pending table if enough contacts have been met. carry_while_full makes none by itself.
   void make_pending_table(std::size_t parameters);
 
-  /// Refers to an existing table of contacts, made for the same parameters. @throws std::invalid_argument if it was
+  /// Uses an existing table of contacts, made for the same parameters. @throws std::invalid_argument if it was
   /// made for others.
-  void use(std::size_t parameters, const ContactTable& table);
+  void use(std::size_t parameters, std::shared_ptr<const ContactTable> table);
   /// The table in use, or null.
-  const ContactTable* table(std::size_t parameters) const;
+  std::shared_ptr<const ContactTable> table(std::size_t parameters) const;
 
   /// From now on, observers are also called after each period that ends in one of these ellipses.
   void set_reported_ellipses(std::vector<StateEllipse> ellipses) { ellipses_ = std::move(ellipses); }

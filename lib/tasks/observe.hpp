@@ -102,8 +102,8 @@ bool carry_together(LaneCarrier& many, std::size_t set, std::vector<Watch>& watc
 
 /// How the lanes carry watched motions, if they support the system.
 struct WatchedInLanes {
-  const ContactTable* table = nullptr;      ///< of contacts at these parameters; may be null
-  std::vector<StateEllipse> ellipses = {};  ///< see LaneCarrier::set_reported_ellipses
+  std::shared_ptr<const ContactTable> table = nullptr;  ///< of contacts at these parameters; may be null
+  std::vector<StateEllipse> ellipses = {};              ///< see LaneCarrier::set_reported_ellipses
 };
 
 /// Carries all motions at these parameters: together in lanes or, if these do not support the system, one after another.
@@ -116,7 +116,7 @@ void carry_all_watched(const SharedSystem& system, const Vector& p, const FlowOp
     for (Watch& watch : watches) carry_watched(propagator, watch, cancelled);
     return;
   }
-  if (in_lanes.table) many->use(0, *in_lanes.table);
+  if (in_lanes.table) many->use(0, in_lanes.table);
   many->set_reported_ellipses(in_lanes.ellipses);
   carry_together(*many, 0, watches, cancelled);
 }

@@ -27,7 +27,7 @@ struct TaskPool::SharedRuns {
   const TaskPool* by;
   std::size_t parameters;  ///< index in the pool `by`
   const Vector& p;
-  const ContactTable* table;
+  std::shared_ptr<const ContactTable> table;
   bool tangent;
   const std::vector<TaskSlot::Run>& runs;
   std::size_t parts;
@@ -158,7 +158,7 @@ void TaskPool::carry_part(const Part& part) {
 /// The parameter set for runs of another pool.
 std::size_t TaskPool::set_for(const SharedRuns& lent) {
   store_parameters(lent.p, shared_set_);
-  if (lent.table) motions_.use(*shared_set_, *lent.table);
+  if (lent.table) motions_.use(*shared_set_, lent.table);
   return *shared_set_;
 }
 

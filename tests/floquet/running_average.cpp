@@ -172,12 +172,12 @@ TEST_CASE("an average by Propagators has four motions more for each 12000 period
 TEST_CASE("exponents averaged with an existing table of contacts") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = parameters(system, {{"eta", 0.711}});
-  const ContactTable contacts(system, p, {0.125, 1.9});
+  const auto contacts = std::make_shared<const ContactTable>(system, p, SpeedRange{0.125, 1.9});
   LyapunovOptions options;
   options.standard_error = 0.0;
   options.max_periods = 12;  // too few periods for chaos to amplify the error of the table much
   const LyapunovSpectrum in_steps = spectrum_in_lanes(system, {p, vector({-0.379, -0.717})}, options);
-  options.table = &contacts;
+  options.table = contacts;
   const LyapunovSpectrum with_table = spectrum_in_lanes(system, {p, vector({-0.379, -0.717})}, options);
   CHECK(in_steps.impacts > 0);
   CHECK(with_table.impacts == in_steps.impacts);

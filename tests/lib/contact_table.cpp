@@ -81,7 +81,7 @@ TEST_CASE("motions in lanes agree with and without a table") {
   const ContactTable contacts(system, p, {0.04, 1.9});
   constexpr std::size_t periods = 40;
   LaneCarrier with(system), without(system);
-  with.use(with.add_parameters(p), contacts);
+  with.use(with.add_parameters(p), std::make_shared<const ContactTable>(contacts));
   without.add_parameters(p);
   const auto starts = random_starts(60, p[oscillator_parameter::r]);
   std::vector<PeriodResult> results, single;
@@ -121,7 +121,7 @@ TEST_CASE("near grazing the table leaves weak contacts to the lanes") {
   constexpr double slowest = 0.25;
   const ContactTable contacts(system, p, {slowest, 1.9});
   LaneCarrier many(system);
-  many.use(many.add_parameters(p), contacts);
+  many.use(many.add_parameters(p), std::make_shared<const ContactTable>(contacts));
   const auto starts = random_starts(40000, p[oscillator_parameter::r]);
   std::vector<PeriodResult> results;
   many.carry(starts, 1, true, results);
@@ -162,7 +162,7 @@ TEST_CASE("with a table lanes of any width give identical bits") {
     if (!available(width)) continue;
     const ContactTable contacts(system, p, {0.25, 1.9}, width);
     LaneCarrier many(system, {}, width);
-    many.use(many.add_parameters(p), contacts);
+    many.use(many.add_parameters(p), std::make_shared<const ContactTable>(contacts));
     many.carry(random_starts(61, 2.0), 20, true, results);
     if (reference.empty()) reference = results;
     CHECK(same_bits(results, reference));
@@ -172,17 +172,17 @@ TEST_CASE("with a table lanes of any width give identical bits") {
 TEST_CASE("a table of contacts has identical bits for any number of threads") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   const Vector p = hertz_parameters(0.711, 0.1);
-  std::vector<std::unique_ptr<ContactTable>> tables;
+  std::vector<std::shared_ptr<const ContactTable>> tables;
   for (const int threads : {1, 4})
     oneapi::tbb::task_arena(threads).execute([&] {
-      tables.push_back(std::make_unique<ContactTable>(system, p, SpeedRange{0.25, 1.9}));
+      tables.push_back(std::make_shared<const ContactTable>(system, p, SpeedRange{0.25, 1.9}));
     });
   CHECK(tables[0]->report().pieces == tables[1]->report().pieces);
   CHECK(tables[0]->report().contacts == tables[1]->report().contacts);
   std::vector<PeriodResult> one, several;
   for (std::size_t i = 0; i < 2; ++i) {
     LaneCarrier many(system);
-    many.use(many.add_parameters(p), *tables[i]);
+    many.use(many.add_parameters(p), tables[i]);
     many.carry(random_starts(61, 2.0), 20, true, i == 0 ? one : several);
   }
   CHECK(same_bits(one, several));
@@ -250,6 +250,6 @@ TEST_CASE("the cases without a table of contacts are reported") {
   CHECK_FALSE(contacts.at(0.0, -0.6));
   LaneCarrier many(system);
   many.add_parameters(hertz_parameters(0.72, 0.1));
-  CHECK_THROWS_WITH(many.use(0, contacts), Catch::Contains("not one of parameter set 0"));
+  CHECK_THROWS_WITH(many.use(0, std::make_shared<const ContactTable>(contacts)), Catch::Contains("not one of parameter set 0"));
   CHECK_THROWS_WITH(many.expect(1, 10), Catch::Contains("1 were added"));
 }

@@ -308,7 +308,7 @@ TEST_CASE("parameters move to other motions with their table of contacts") {
   from.expect(set, LaneCarrier::periods_for_table);
   std::vector<PeriodResult> results, there;
   from.carry({{set, 0.0, 0.0}}, 4000, false, results);
-  const ContactTable* const table = from.table(set);
+  const std::shared_ptr<const ContactTable> table = from.table(set);
   REQUIRE(table);
   const MotionStart start{set, results.back().x, results.back().v};
   from.carry({start}, 20, true, results);

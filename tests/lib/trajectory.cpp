@@ -64,7 +64,7 @@ TEST_CASE("the segments of a run join in time, state and mode with one event bet
   });
 }
 
-TEST_CASE("what computes with a system holds it") {
+TEST_CASE("objects that compute with a system hold it") {
   for_each_system([](const HybridSystem& system, const ContactLaw&) {
     const Vector p = parameters_with_contacts(system);
     const Vector start = vector({0.1, 0.9});
