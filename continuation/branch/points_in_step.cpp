@@ -98,6 +98,7 @@ std::optional<PointInStep> locate_confirmed(BranchProblem& problem, const TestFu
   };
   SpecialPoint point;
   point.type = test.type;
+  if (!test.condition.empty()) point.details["condition"] = test.condition;
   point.after_point = branch.points.size() - 1;
   // Newton's result must stay within the bracket of the sign change: outside lies another point of the same type. Beside such a
   // point the test function is small all over the step, and only a narrow bracket leads to the right one.

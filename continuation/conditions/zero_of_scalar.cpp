@@ -74,7 +74,6 @@ TestFunction zero_test(std::string name, const Scalar& scalar) {
   test.confirm = [](const TestPoint&, const TestPoint&) { return true; };
   test.distance = [](const BranchPoint&) { return std::numeric_limits<double>::infinity(); };
   test.locate = [scalar](BranchProblem& problem, const Vector& u, const TestPoint&) { return locate_zero(problem, u, scalar); };
-  test.describe = [name](BranchProblem&, const LocatedPoint&, SpecialPoint& point) { point.details["condition"] = name; };
   test.condition = std::move(name);
   return test;
 }

@@ -253,6 +253,34 @@ TEST_CASE("a program that uses the library adds a condition of its own") {
   CHECK(point.precision < 1e-11);
 }
 
+TEST_CASE("the points of a condition have its name, whether Newton's method locates them or not") {
+  // The multiplier of the fixed point is 2 - lambda.
+  const HybridSystem system = logistic_map();
+  const PeriodicOrbit orbit = shoot(system, parameters(system, {{"lambda", 2.5}}), Vector{{0.6}}, 1);
+  REQUIRE(orbit.converged());
+  ContinuationOptions options;
+  options.parameter = "lambda";
+  options.to = 3.2;
+  options.switch_generations = 0;
+  TestFunction test = period_doubling_test();
+  test.type = PointType::UZ;
+  test.condition = "multiplier -1";
+  test.describe = nullptr;
+  TestFunction failing = test;
+  failing.condition = "multiplier -1, bracketed";
+  failing.locate = [](BranchProblem&, const Vector&, const TestPoint&) { return LocatedPoint{}; };
+  options.further_tests = {test, failing};
+  const std::vector<Branch> branches = continue_orbit(system, orbit, options);
+  const std::vector<SpecialPoint> points = points_of(branches[0], PointType::UZ);
+  REQUIRE(points.size() == 2);
+  std::set<std::string> names;
+  for (const SpecialPoint& point : points) {
+    names.insert(text_detail(point, "condition"));
+    CHECK(std::abs(point.value - 3.0) <= point.precision + 1e-11);
+  }
+  CHECK(names == std::set<std::string>{"multiplier -1", "multiplier -1, bracketed"});
+}
+
 TEST_CASE("a condition from outside the library states which branch is born at its points") {
   const HybridSystem system = logistic_map();
   const PeriodicOrbit orbit = shoot(system, parameters(system, {{"lambda", 2.5}}), Vector{{0.6}}, 1);
