@@ -5,6 +5,7 @@
 #   each ```console block of each page: every line `$ command`, with the lines that follow it as its output.
 # The commands of a page run in bash, in order, in a separate folder, with graze on PATH. The folder has the data/ of the source
 # tree, and each ```toml block of the page that begins with a line `# NAME.toml` as that file.
+# A ```c++ block whose first line is `// FILE` is a part of that file, a C++ source of the tests.
 # Relative links of the pages must lead to existing files and headings.
 # usage: readme.sh GRAZE_PROGRAM WORK_FOLDER      (the package is found by CMAKE_PREFIX_PATH)
 set -euo pipefail
@@ -65,6 +66,26 @@ check_links() {
   done < <(grep -oE '\]\([^) ]+\)' "$page" | sed 's/^](//; s/)$//' | grep -v '^https\?:' || true)
 }
 
+# Compares each ```c++ block that begins with `// FILE` with that file.
+check_excerpts() {
+  local line text= file= inside=
+  while IFS= read -r line; do
+    if [[ -z $inside && $line == '```c++' ]]; then
+      inside=first
+    elif [[ $inside && $line == '```' ]]; then
+      if [[ $file ]]; then
+        [[ $text && "$(<"$file")"$'\n' == *$'\n'"$text"* ]] || fail "shows a part of $file that is not there: ${text%%$'\n'*}"
+      fi
+      text= file= inside=
+    elif [[ $inside == first ]]; then
+      inside=yes
+      [[ ! $line =~ ^//\ (tests/[a-z_/]+\.cpp)$ ]] || file=${BASH_REMATCH[1]}
+    elif [[ $inside ]]; then
+      text+=$line$'\n'
+    fi
+  done < "$page"
+}
+
 rm -rf "$work"
 mkdir -p "$work/program"
 page=README.md
@@ -81,6 +102,7 @@ export PATH="${program%/*}:$PATH"
 total=0
 for page in "${pages[@]}"; do
   check_links
+  check_excerpts
   session="$work/session/${page%.md}"
   mkdir -p "$session"
   ln -s "$source_folder/data" "$session/data"

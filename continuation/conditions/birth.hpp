@@ -14,9 +14,11 @@ namespace graze {
 
 class OrbitProblem;
 
+/// The first point of a branch. In states, the unknowns are those of OrbitProblem::repeated(Birth::multiple).
 struct BranchStart {
-  Vector u, orientation = {};
-  /// If set, u and orientation are in the coordinates of this signature (see SignatureEquations).
+  Vector u;                 ///< solution of the equations of the branch
+  Vector orientation = {};  ///< direction in which the branch is followed, in the same unknowns
+  /// If set, u and orientation are in the coordinates of these events (BranchProblem::sequence). Empty: in states.
   std::optional<std::vector<std::size_t>> sequence = {};
   std::vector<Vector> states = {};  ///< of an orbit beside the birth, at forcing phase 0
   bool on_grazing = false;          ///< u is the grazing itself, which is not a point of the branch
@@ -30,8 +32,8 @@ struct Birth {
   /// The branch exists: if its start is not found, it is listed as failed. Otherwise the point is listed as cut off.
   bool certain = false;
   std::string missing = {};  ///< message if the start is not found
-  /// The first point on a side. `on`: the branch with the point; `states`: equations of the orbit there, in states. Empty if
-  /// none is found.
+  /// The first point on a side. `on`: the branch with the point; `states`: equations of the orbit there, in states. The orbit's
+  /// unknowns are states.pack(point.orbit.nodes, point.orbit.duration, point.value). Empty if no first point is found.
   std::function<std::optional<BranchStart>(const SpecialPoint& point, const Branch& on, OrbitProblem& states, int side,
                                            const TraceOptions& options)>
       start = {};

@@ -21,7 +21,8 @@ struct MultiplierCondition {
   bool theta_free = false;  ///< theta is an unknown (Neimark-Sacker); otherwise theta is 0 or pi
 };
 
-/// Newton's method on the extended system from `start`. If it fails, the report is not converged and the precision is 0.
+/// Newton's method on the extended system from `start`, in the unknowns of the problem. If it fails, the report is not converged
+/// and the precision is 0. The extended system must be regular: with theta free, the multiplier must leave the unit circle there.
 /// @throws std::invalid_argument unless the problem has one free parameter; so do all functions that locate a point.
 LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, const MultiplierCondition& condition);
 

@@ -3,7 +3,9 @@
 // a confirmation, the extended system that locates the point, and the branch that is born there.
 //
 // To add a bifurcation, write a file in this folder that makes a TestFunction, and add one line to test_functions(). A program
-// that uses the library passes its own in ContinuationOptions::further_tests; zero_test() makes one from a scalar of the orbit.
+// that uses the library passes its own in ContinuationOptions::further_tests, with the type UZ and a name. zero_test() makes one
+// from a scalar of the orbit. locate_multiplier() (multiplier_condition.hpp) locates the points at which a multiplier has a
+// value. The functions are called from several threads if several branches are followed in parallel.
 #pragma once
 
 #include <graze/continuation/conditions/birth.hpp>
@@ -33,7 +35,7 @@ struct TestPoint {
 struct TestFunction {
   PointType type = PointType::MX;
   std::string summary;  ///< one line: name, and the condition
-  /// Of a condition from outside the library: its name, which its points have as their detail "condition".
+  /// Of a condition from outside the library: its name. Its points get this name as their detail "condition".
   std::string condition = {};
   /// The scalar (dimensionless). Its sign change announces the point.
   std::function<double(const TestPoint& point)> value;
@@ -43,7 +45,8 @@ struct TestFunction {
   std::function<bool(const TestPoint& before, const TestPoint& after)> too_far_apart = {};
   /// Distance of the multipliers from those at the bifurcation; infinity if there are none to compare.
   std::function<double(const BranchPoint& point)> distance;
-  /// Newton's method on the extended system from u, in the branch's own coordinates. `near` is a neighbouring point.
+  /// Newton's method on the extended system from u, in the branch's own coordinates. `near` is a neighbouring point. If it does
+  /// not converge, the sign change is bracketed along the branch, and the point is kept if `distance` is small there.
   std::function<LocatedPoint(BranchProblem& problem, const Vector& u, const TestPoint& near)> locate;
   /// Adds details to the located point. Empty: none.
   std::function<void(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point)> describe = {};

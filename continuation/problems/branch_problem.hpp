@@ -4,6 +4,9 @@
 // The unknowns u are those of the orbit, then the values of the free parameters. There are as many equations as unknowns of the
 // orbit: with one free parameter the solutions are curves. With two of them, one condition more selects curves, such as the
 // period doublings in two parameters. Times and states are dimensionless.
+//
+// A program gets problems from the library, for example in TestFunction::locate, or makes an OrbitProblem. The protected part
+// serves the two kinds of problems and is no interface for other classes.
 #pragma once
 
 #include <graze/continuation/problems/branch.hpp>
@@ -59,15 +62,16 @@ class BranchProblem {
   /// H(u) = 0 in the unknowns(). The tracer needs one equation fewer than unknowns: with k free parameters, k - 1 conditions are
   /// to be added. The equations refer to this object.
   virtual ZeroProblem zero_problem() = 0;
-  /// The orbit at u: the small record that a branch keeps, and the orbit with all its properties. Newton's report is that of u;
-  /// none: the residual at u tells whether it is an orbit.
+  /// The orbit at u: the small record that a branch keeps, and the orbit with all its properties. `report`: of the Newton
+  /// iteration that gave u; none: the residual at u tells whether it is an orbit.
   virtual BranchPoint branch_point(const Vector& u, double arclength) = 0;
   virtual PeriodicOrbit orbit(const Vector& u, const std::optional<NewtonReport>& report = {}) = 0;
   /// The same orbit in states at fixed phases; its unknowns are written to `out`. The reference is valid until the next call.
   virtual OrbitProblem& stroboscopic(const Vector& u, Vector& out) = 0;
 
   /// K(sigma) at u: the derivative of the equations in the orbit's unknowns (square, without the parameters), with the link from
-  /// the last node to the first multiplied by sigma. K is singular if sigma is a multiplier. Evaluate the equations at u first.
+  /// the last node to the first multiplied by sigma. K is singular if sigma is a multiplier. Evaluate the equations at u with
+  /// their Jacobian first.
   virtual Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) = 0;
   /// left^H (dK/du_i) v for each unknown u_i (the values of the free parameters last), by central differences at u.
   virtual Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,

@@ -89,6 +89,21 @@ OrbitProblem OrbitProblem::with_nodes(int times) const {
   return finer;
 }
 
+OrbitProblem OrbitProblem::repeated(int times) const {
+  OrbitProblem longer(system(), p_, times * period(), times * nodes(), free_, equations_.options(), equations_.section_phase());
+  longer.measure_as(*this);
+  return longer;
+}
+
+Vector OrbitProblem::repeat(const Vector& u, int times) const {
+  if (times < 1) throw std::invalid_argument(fmt::format("an orbit was to be repeated {} times; allowed is 1 and more", times));
+  const Eigen::Index length = states() * nodes(), rest = u.size() - length;
+  Vector out(times * length + rest);
+  out << u.head(length).replicate(times, 1), u.tail(rest);
+  if (equations_.autonomous()) out[times * length] *= times;
+  return out;
+}
+
 std::optional<Vector> OrbitProblem::to_nodes(OrbitProblem& finer, const Vector& u) {
   const int times = finer.nodes() / nodes();
   if (!evaluate(u, {.sensitivity = Sensitivity::none})) return std::nullopt;
@@ -233,16 +248,7 @@ std::vector<BranchProblem::Image> OrbitProblem::images(const Vector& u, const Ve
 }
 
 BranchProblem::Doubled OrbitProblem::doubled(const Vector& u) const {
-  auto problem = std::make_unique<OrbitProblem>(system(), p_, 2 * period(), 2 * nodes(), free_, equations_.options(),
-                                                equations_.section_phase());
-  problem->measure_as(*this);
-  const std::vector<Vector> nodes_twice = [&] {
-    std::vector<Vector> list;
-    for (int j = 0; j < 2 * nodes(); ++j) list.push_back(equations_.node(u, j % nodes()));
-    return list;
-  }();
-  Vector twice = problem->pack(nodes_twice, 2.0 * equations_.duration(u), values(u));
-  return {std::move(problem), std::move(twice)};
+  return {std::make_unique<OrbitProblem>(repeated(2)), repeat(u, 2)};
 }
 
 Vector OrbitProblem::half_difference(const Vector& u) const {

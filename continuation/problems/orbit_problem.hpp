@@ -17,6 +17,7 @@ namespace graze {
 
 class OrbitProblem : public BranchProblem {
  public:
+  /// `p`: all parameters; those of the free ones are replaced by their values in u. `period`, `nodes`: as in ShootingEquations.
   /// `free`: the free parameters. `section_phase`: forcing phase of the first node over 2 pi. @throws std::invalid_argument as
   /// BranchProblem and ShootingEquations do.
   OrbitProblem(const SharedSystem& system, const Vector& p, int period, int nodes, std::vector<FreeParameter> free,
@@ -40,6 +41,11 @@ class OrbitProblem : public BranchProblem {
   OrbitProblem with_nodes(int times) const;
   std::optional<Vector> to_nodes(OrbitProblem& finer, const Vector& u);
 
+  /// The problem of the orbits of `times` times this period, with as many times the nodes, and the conversion of an orbit u of
+  /// this problem to that one: the orbit traversed `times` times. @throws std::invalid_argument for times < 1.
+  OrbitProblem repeated(int times) const;
+  Vector repeat(const Vector& u, int times) const;
+
   Eigen::Index unknowns() const override { return equations_.unknowns() + std::ssize(free_); }
   int period() const { return equations_.period(); }
   int nodes() const { return equations_.nodes(); }
@@ -58,6 +64,7 @@ class OrbitProblem : public BranchProblem {
   /// not finite.
   bool residual(const Vector& u, Vector& residual, Matrix* jacobian);
   ZeroProblem zero_problem() override;
+  /// The reason why the last evaluation failed, as text.
   std::string failure() const;
 
   PeriodicOrbit orbit(const Vector& u, const std::optional<NewtonReport>& report = {}) override;
@@ -68,7 +75,7 @@ class OrbitProblem : public BranchProblem {
     return *this;
   }
 
-  /// K from the stretches of the last evaluation.
+  /// K from the stretches of the last evaluation, which must have had the sensitivity to the state.
   Eigen::MatrixXcd cyclic(const Vector& u, std::complex<double> sigma) override;
   Eigen::VectorXcd cyclic_derivative(const Vector& u, std::complex<double> sigma, const Eigen::VectorXcd& left,
                                      const Eigen::VectorXcd& v) override;

@@ -281,6 +281,22 @@ TEST_CASE("the points of a condition have its name, whether Newton's method loca
   CHECK(names == std::set<std::string>{"multiplier -1", "multiplier -1, bracketed"});
 }
 
+TEST_CASE("an orbit traversed several times solves the equations of its multiple period") {
+  const HybridSystem system = logistic_map();
+  OrbitProblem problem(system, parameters(system, {{"lambda", 2.5}}), 1, 1, 0, 1.0);
+  const Vector u = problem.pack({Vector{{0.6}}}, 0.0, 2.5);
+  OrbitProblem longer = problem.repeated(3);
+  CHECK(longer.period() == 3);
+  CHECK(longer.nodes() == 3);
+  const Vector there = problem.repeat(u, 3);
+  REQUIRE(there.size() == longer.unknowns());
+  CHECK(longer.value(there) == 2.5);
+  Vector residual;
+  REQUIRE(longer.residual(there, residual, nullptr));
+  CHECK(residual.lpNorm<Eigen::Infinity>() < 1e-14);
+  CHECK_THROWS_WITH(problem.repeat(u, 0), Catch::Contains("0 times") && Catch::Contains("1 and more"));
+}
+
 TEST_CASE("a condition from outside the library states which branch is born at its points") {
   const HybridSystem system = logistic_map();
   const PeriodicOrbit orbit = shoot(system, parameters(system, {{"lambda", 2.5}}), Vector{{0.6}}, 1);

@@ -62,4 +62,6 @@ PictureKind settled_picture() {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_main(argc, argv, {{settled_command()}, {settled_picture()}}); }
+Command resonances_command();  // resonances.cpp
+
+int main(int argc, char** argv) { return run_main(argc, argv, {{settled_command(), resonances_command()}, {settled_picture()}}); }
