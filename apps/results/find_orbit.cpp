@@ -62,7 +62,8 @@ void add_start_options(CLI::App& app, StartOptions& options) {
 
 void add_orbit_options(CLI::App& app, OrbitOptions& options) {
   add_start_options(app, options.start);
-  add_count(app, "--period", options.period, 1, "orbit of N forcing periods (default: the file's, else 1)", longest_period);
+  add_count(app, "--period", options.period, 1,
+            "orbit of N forcing periods, or returns without forcing (default: the file's, else 1)", longest_period);
   add_flag(app, "--search", options.search, "find orbits by global search instead of settling");
   add_count(app, "--seed", options.seed, 0, "of the global search (default 1)");
 }
@@ -170,6 +171,12 @@ std::string autonomous_message(const Problem& problem, const FoundOrbits& found,
                        found.attempted->newton.status == NewtonStatus::not_run
                            ? "the motion does not return there; --period gives another number of returns"
                            : newton_status_text(found.attempted->newton.status));
+  if (found.settled_on) {
+    const PeriodicOrbit& orbit = *found.settled_on;
+    return fmt::format("no orbit of {} was found from {}; the orbit there repeats after {} ({}, {}): --period {} gives it",
+                       counted_periods(problem, period), shown(settled.state), counted_periods(problem, orbit.period),
+                       z_label(orbit), orbit.stable() ? "stable" : "unstable", orbit.period);
+  }
   if (!found.orbits.empty()) return {};
   return fmt::format("{}: after {} it is at {}; events with a count are returns, or those that begin a contact",
                      termination_text(Termination::no_return), after, shown(settled.state));
@@ -192,6 +199,7 @@ OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, con
   const Vector start = start_state(problem, options.start);  // throws before anything is computed
   FindOrbitOptions finding;
   finding.period = period_of(problem, options);
+  finding.any_returns = !options.period && !problem.period;
   finding.search_only = options.search;
   std::optional<Progress> progress;
   progress.emplace(console.err, console.quiet, options.search ? "searching" : "settling");
@@ -216,7 +224,7 @@ OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, con
   out.status = out.cancelled ? Status::interrupted : out.found() ? Status::done : Status::failed;
   if (!forced) {
     out.message = autonomous_message(problem, out, finding.period);
-    out.settled.reset();  // results of autonomous systems do not have it
+    if (!out.settled_on) out.settled.reset();  // results of autonomous systems have it only with the orbit of another period
   } else if (out.cancelled && !out.box) {
     out.message = fmt::format("{} after {} of {} of transient, at state {}", interruption(), out.settled->periods,
                               periods(finding.settle.periods), shown(out.settled->state));

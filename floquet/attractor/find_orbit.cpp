@@ -55,6 +55,10 @@ void find_autonomous(const HybridSystem& system, const Vector& p, const FindOrbi
   PeriodicOrbit orbit = shoot_returns(propagator, states, shooting);
   if (orbit.converged()) {
     orbit.period = std::max(1, count_returns(system, orbit));
+    if (orbit.period != options.period && !options.any_returns) {
+      found.settled_on = std::move(orbit);
+      return;
+    }
     return take(found, {std::move(orbit)}, OrbitOrigin::settled);
   }
   orbit.state = states.front();

@@ -281,11 +281,45 @@ state = { x = 1, y = 1, z = 0 }
   for (const auto& [beside, period] : {std::pair{-0.05, 1}, {0.05, 2}}) {
     const std::string c = std::to_string(doubling + beside);
     CHECK(result("lyapunov", file, {"--set", "c=" + c, "--settle", "400"})["attractor"]["period"] == period);
+    const Outcome doubled =
+        call({"orbit", file, "--set", "c=" + c, "--settle", "400", "--period", "2", "--quiet", "--json", "-"});
+    CHECK(doubled.code == (period == 2 ? 0 : 1));
+    if (period == 2) CHECK(Json::parse(doubled.out)["orbit"]["period"] == 2);
   }
   // With --duration a run needs no returns, and the same time gives the same motion.
   const Json run = result("trajectory", file, {"--duration", "3", "--periods", "4", "--samples", "5"});
   REQUIRE(run["samples"].size() == 21);
   CHECK(run["samples"].back()[0].get<double>() == Approx(3.0).epsilon(1e-14));
+}
+
+TEST_CASE("an orbit with another number of returns than --period is named and is no result (fixed)") {
+  const std::string wheel = model("rimless-wheel");
+  const auto refused = [&](const std::string& command, std::vector<std::string> more = {}) {
+    std::vector<std::string> all = {command, wheel, "--period", "2", "--quiet", "--json", "-"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = call(all);
+    INFO(command);
+    CHECK(outcome.code == 1);
+    CHECK_THAT(outcome.err, Contains("no orbit of 2 returns was found from (") &&
+                                Contains("repeats after 1 return (z = 1/1, stable): --period 1 gives it"));
+    const Json json = Json::parse(outcome.out);
+    CHECK(json["status"] == "failed");
+    const Json& there = json["settled"]["orbit"];
+    CHECK(there["period"] == 1);
+    CHECK(there["impacts"] == 1);
+    CHECK(there["is_result"] == false);
+    return json;
+  };
+  CHECK(refused("orbit")["orbit"].is_null());
+  CHECK(refused("verify", {"--param", "gamma"})["orbits"].empty());
+  CHECK(refused("continue", {"--param", "gamma", "--to", "0.09"})["branches"].empty());
+  for (const std::vector<std::string>& period : {std::vector<std::string>{}, {"--period", "1"}}) {
+    std::vector<std::string> all = {"--quiet"};
+    all.insert(all.end(), period.begin(), period.end());
+    const Json json = result("orbit", wheel, all);
+    CHECK(json["orbit"]["period"] == 1);
+    CHECK_FALSE(json.contains("settled"));
+  }
 }
 
 TEST_CASE("properties that an autonomous system lacks are refused in one sentence") {
