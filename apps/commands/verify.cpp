@@ -290,7 +290,8 @@ std::function<int(const Console&)> set_up_verify(CLI::App& app) {
   add_number(app, "--to", options->to, "last value, above or below it (default: one value only)");
   add_number(app, "--step", options->step, "step from one value to the next");
   begin_group(app, "Checks");
-  add_count(app, "--average", options->average, 0, "forcing periods of the exponents' time average (default 2000; 0: none)");
+  add_count(app, "--average", options->average, 0,
+            "forcing periods (returns without forcing) of the exponents' time average (default 2000; 0: none)");
   add_flag(app, "--hard-limit", options->hard_limit, "also compare Hertz contact of growing k_H with the rigid stop it becomes");
   add_output_options(app, options->output, "verify/1");
   return [options](const Console& console) { return run(*options, console); };

@@ -15,7 +15,9 @@ namespace {
 
 std::string check_cell(double value) { return value < 0.0 ? "-" : rounded(value, 3); }
 
-std::string verdict(double value, double limit) { return value < 0.0 ? "not applicable" : value <= limit ? "ok" : "FAILED"; }
+std::string verdict(double value, double limit, const std::string& obstacle) {
+  return value < 0.0 ? "not applicable: " + obstacle : value <= limit ? "ok" : "FAILED";
+}
 
 std::optional<double> known(bool is_known, double value) {
   return is_known && !std::isnan(value) ? std::optional(value) : std::nullopt;
@@ -210,14 +212,14 @@ std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const
   }
 
   Table checks{{"check", "value", "bound", "verdict"}, {}};
-  const auto add = [&](const char* name, double value, double limit) {
-    checks.rows.push_back({name, check_cell(value), rounded(limit, 3), verdict(value, limit)});
+  const auto add = [&](const char* name, double value, double limit, const std::string& obstacle) {
+    checks.rows.push_back({name, check_cell(value), rounded(limit, 3), verdict(value, limit, obstacle)});
   };
-  add("residual of the shooting equations", orbit.checks.residual, bound::residual);
-  add("Liouville: ln|det M|", orbit.checks.liouville, bound::liouville);
+  add("residual of the shooting equations", orbit.checks.residual, bound::residual, "the orbit could not be carried");
+  add("Liouville: ln|det M|", orbit.checks.liouville, bound::liouville, liouville_obstacle(orbit));
   if (const auto& difference = orbit.checks.finite_difference)
     add("finite differences of the return map", difference->applicable ? difference->disagreement : -1.0,
-        finite_difference_bound(*difference));
+        finite_difference_bound(*difference), difference_obstacle);
   text.append("\n").append(aligned(checks));
 
   const std::vector<Contact> list = contacts_of_orbit(orbit).contacts;

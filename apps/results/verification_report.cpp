@@ -7,12 +7,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace graze::apps {
 
 namespace {
 
-const char* verdict(const OrbitCheck& check) { return !check.applicable() ? "not applicable" : check.passes() ? "ok" : "FAILED"; }
+std::string verdict(const OrbitCheck& check) {
+  if (!check.applicable()) return "not applicable: " + check.reason;
+  return check.passes() ? "ok" : "FAILED";
+}
+
+/// The averaged exponents in the order of the multipliers. The average has the largest first, the orbit of an autonomous system
+/// its multiplier 1 last.
+std::vector<double> average_by_multiplier(const VerifiedOrbit& verified) {
+  const std::vector<double>&exponents = verified.orbit.multipliers.exponents, &average = verified.average.exponents;
+  std::vector<std::size_t> order(exponents.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return exponents[a] > exponents[b]; });
+  std::vector<double> out(average.size());
+  if (order.size() != average.size()) return average;
+  for (std::size_t i = 0; i < order.size(); ++i) out[order[i]] = average[i];
+  return out;
+}
 
 /// Names of all checks that occur, in order.
 std::vector<std::string> names_of(const std::vector<Verification>& list) {
@@ -98,7 +115,8 @@ const Columns<OrbitCheck>& verified_columns() {
       {"disagreement", "null: not applicable",
        [](const C& check) { return check.applicable() ? std::optional(check.disagreement) : std::nullopt; }},
       {"bound", "largest allowed disagreement", &C::limit},
-      {"ok", "it has not failed", &C::passes}};
+      {"ok", "it has not failed", &C::passes},
+      {"reason", "why it is not applicable", &C::reason, only([](const C& check) { return !check.applicable(); })}};
   return list;
 }
 
@@ -148,7 +166,7 @@ const Columns<Verification>& verification_columns() {
   using V = Verification;
   static const Columns<V> list = {
       {"value", "of the parameter", &V::value},
-      {"period", "forcing periods", [](const V& v) { return v.verified.orbit.period; }},
+      {"period", "forcing periods, or returns of an autonomous orbit", [](const V& v) { return v.verified.orbit.period; }},
       {"impacts", "number of impacts", [](const V& v) { return v.verified.orbit.impacts; }},
       {"state", "at forcing phase 0", [](const V& v) { return v.verified.orbit.state; }},
       {"stable", "no multiplier lies outside the unit circle", [](const V& v) { return v.verified.orbit.stable(); }},
@@ -158,11 +176,12 @@ const Columns<Verification>& verification_columns() {
                 {{"saltation", "by saltation matrices", [](const V& v) { return v.verified.orbit.multipliers; }},
                  {"finite_difference", "by differences of the return map", [](const V& v) { return v.verified.differences; }},
                  {"general", "by the general integrator", [](const V& v) { return v.verified.general.multipliers; }}}),
-      object<V>("exponents", "in two ways",
-                {{"multipliers [1/time]", "from multipliers; null: -infinity",
-                  [](const V& v) { return exponents_of(v.verified.orbit.multipliers); }},
-                 {"time_average [1/time]", "null: -infinity", [](const V& v) { return finite(v.verified.average.exponents); }},
-                 {"periods", "of the average", [](const V& v) { return v.verified.average.periods; }}}),
+      object<V>(
+          "exponents", "in two ways",
+          {{"multipliers [1/time]", "from multipliers; null: -infinity",
+            [](const V& v) { return exponents_of(v.verified.orbit.multipliers); }},
+           {"time_average [1/time]", "null: -infinity", [](const V& v) { return finite(average_by_multiplier(v.verified)); }},
+           {"periods", "of the average", [](const V& v) { return v.verified.average.periods; }}}),
       {"checks", "each of them", &V::checks},
       {"hard_limit", "the stop made rigid", &V::hard, only([](const V& v) { return v.hard.has_value(); })}};
   return list;
@@ -187,11 +206,13 @@ std::string verification_text(const Verification& verification) {
   }
   text += aligned(values) + "\n";
   if (verified.average.periods > 0) {
-    Table exponents{{"exponent", "from multipliers", fmt::format("average over {} forcing periods", verified.average.periods)},
+    const bool counts_returns = orbit.multipliers.section == Section::autonomous;
+    Table exponents{{"exponent", "from multipliers",
+                     fmt::format("average over {} {}", verified.average.periods, counts_returns ? "returns" : "forcing periods")},
                     {}};
-    for (std::size_t i = 0; i < verified.average.exponents.size(); ++i)
-      exponents.rows.push_back(
-          {std::to_string(i + 1), rounded(orbit.multipliers.exponents[i], 13), rounded(verified.average.exponents[i], 13)});
+    const std::vector<double> average = average_by_multiplier(verified);
+    for (std::size_t i = 0; i < average.size(); ++i)
+      exponents.rows.push_back({std::to_string(i + 1), rounded(orbit.multipliers.exponents[i], 13), rounded(average[i], 13)});
     text += aligned(exponents) + "\n";
   }
   Table checks{{"check", "disagreement", "bound", "verdict"}, {}};

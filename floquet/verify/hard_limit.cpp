@@ -207,11 +207,13 @@ class Comparison {
       const auto [least, most] = std::minmax_element(all.begin(), all.end());
       out_.newton_restitution = *most - *least < 1e-12 ? std::min(1.0, all.front()) : not_known;
     }
-    OrbitCheck check{"hard limit: Newton's law", -1.0, rounding()};
+    OrbitCheck check{"hard limit: Newton's law", -1.0, rounding(),
+                     all.empty() ? "there is no impact" : "the impacts differ in restitution"};
     if (std::isfinite(out_.newton_restitution)) {
       Vector p = limit_p_;
       p[law] = out_.newton_restitution;
       const auto orbit = family_.at(make_oscillator(kind_, contact_law("newton")), p, out_.limit.states);
+      check.reason.clear();
       check.disagreement = orbit ? relative(orbit->state - out_.limit.state, out_.limit.state) : not_known;
     }
     out_.checks.push_back(check);
@@ -247,7 +249,7 @@ void Comparison::add_restitution() {
     fastest = std::max(fastest, event.normal_speed);
   }
   const double most = options_.largest_speed > 0.0 ? options_.largest_speed : std::max(2.0, 2.0 * fastest);
-  OrbitCheck worst{"hard limit: restitution", -1.0, 1e-10};
+  OrbitCheck worst{"hard limit: restitution", -1.0, 1e-10, "too few contacts are stiff enough to throw the mass back"};
   for (int i = 1; i <= options_.speeds; ++i) {
     RestitutionPoint point;
     point.speed = most * i / options_.speeds;

@@ -18,8 +18,9 @@
 //
 // Exponents: M^k = V D^k V^-1. After k turns the length of an aligned vector is therefore within a factor kappa^2 of |mu|^k,
 // and that of an i-dimensional volume within kappa^(2 i). After the time N T the averages are within
-// 2 (2 n - 3) ln kappa / (N T) of the exponents (n = 2: 2 ln kappa / (N T)), plus rounding, 1e-10. The check does not apply to
-// unstable orbits (rounding makes the motion leave them), zero multipliers, a defective M and autonomous systems.
+// 2 (2 n - 3) ln kappa / (N T) of the exponents (n = 2: 2 ln kappa / (N T)), plus rounding, 1e-10. The average of an autonomous
+// orbit begins at a return, and kappa is that of M there. The check does not apply to unstable orbits (rounding makes the motion
+// leave them), zero multipliers and a defective M.
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
@@ -45,6 +46,7 @@ struct OrbitCheck {
   std::string name;
   double disagreement = -1.0;  ///< negative: not applicable
   double limit = 0.0;
+  std::string reason = {};  ///< why it is not applicable
   bool applicable() const { return !(disagreement < 0.0); }
   bool passes() const { return disagreement <= limit || !applicable(); }
   /// Disagreement in units of its bound; 0 if not applicable.
@@ -52,9 +54,9 @@ struct OrbitCheck {
 };
 
 struct VerificationOptions {
-  std::int64_t average_periods = 2000;   ///< of the time average, rounded up to whole turns; 0: none
-  std::int64_t aligning = 200;           ///< forcing periods before it, for the tangent vectors to align
-  std::function<bool()> cancelled = {};  ///< called once per forcing period of the average
+  std::int64_t average_periods = 2000;   ///< periods or returns of the time average, rounded up to whole turns; 0: none
+  std::int64_t aligning = 200;           ///< periods or returns before it, for the tangent vectors to align
+  std::function<bool()> cancelled = {};  ///< called once per period or return of the average
 };
 
 struct VerifiedOrbit {
@@ -66,6 +68,11 @@ struct VerifiedOrbit {
   std::vector<OrbitCheck> checks = {};
   bool agrees() const;
 };
+
+/// Why Liouville's identity does not apply to an orbit without this check, in words.
+std::string liouville_obstacle(const PeriodicOrbit& orbit);
+/// Why finite differences do not apply, in words.
+inline constexpr const char* difference_obstacle = "every useful step changes the sequence of events";
 
 /// The checks that apply to `orbit`. Its multipliers and monodromy matrix are taken as given.
 /// @throws std::invalid_argument for an orbit without nodes, or negative counts in the options.

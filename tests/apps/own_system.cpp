@@ -322,6 +322,30 @@ TEST_CASE("an orbit with another number of returns than --period is named and is
   }
 }
 
+TEST_CASE("verify averages the exponents of an autonomous orbit, and says why a check is not applicable (fixed)") {
+  // One multiplier of the wheel is cos(2 alpha)^2 = 1/2, the other 1, along the flow.
+  const Json orbit = result("verify", model("rimless-wheel"), {"--param", "gamma"})["orbits"][0];
+  const auto check = [](const Json& verified, const std::string& name) {
+    for (const Json& one : verified["checks"])
+      if (one["name"] == name) return one;
+    return Json();
+  };
+  const Json exponents = check(orbit, "exponents");
+  CHECK(exponents["ok"] == true);
+  REQUIRE(exponents["disagreement"].is_number());
+  CHECK(exponents["disagreement"].get<double>() < 1e-10);
+  CHECK_FALSE(exponents.contains("reason"));
+  CHECK(orbit["exponents"]["periods"] == 2000);
+  for (const int i : {0, 1})
+    CHECK(std::abs(orbit["exponents"]["time_average"][i].get<double>() - orbit["exponents"]["multipliers"][i].get<double>()) <
+          1e-10);
+  CHECK(check(orbit, "GSL: matrix")["reason"] == "the orbit was computed by this integrator");
+  const Outcome belt = call({"verify", model("block-on-belt"), "--param", "V", "--quiet"});
+  CHECK_THAT(belt.out, Contains("not applicable: a multiplier is zero") &&
+                           Contains("not applicable: the orbit was computed by this integrator") &&
+                           !Contains("not applicable\n"));
+}
+
 TEST_CASE("properties that an autonomous system lacks are refused in one sentence") {
   const std::string wheel = model("rimless-wheel");
   CHECK_THAT(call({"orbit", wheel, "--search"}).err, Contains("--search is for forced systems; rimless-wheel is autonomous"));

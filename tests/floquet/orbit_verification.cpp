@@ -5,6 +5,8 @@
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/numerics/decompositions.hpp>
 
+#include "support/van_der_pol_stop.hpp"
+
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -111,7 +113,28 @@ TEST_CASE("the exponents of an unstable orbit are not averaged") {
   const VerifiedOrbit verified = verify_orbit(system, orbit);
   CHECK(verified.agrees());
   CHECK_FALSE(check_of(verified, "exponents").applicable());
+  CHECK(check_of(verified, "exponents").reason == "the orbit is unstable");
+  for (const OrbitCheck& check : verified.checks) CHECK(check.reason.empty() == check.applicable());
   CHECK(verified.average.stop == LyapunovStop::not_run);
+}
+
+TEST_CASE("the exponents of an autonomous orbit are averaged from return to return") {
+  const HybridSystem system = support::van_der_pol_stop();
+  const Vector p = default_parameters(system.parameters);
+  PeriodicOrbit orbit = shoot(system, p, std::vector<Vector>{Vector{{-1.5, 0.0}}}, 1, {}, 5.0);
+  REQUIRE(orbit.converged());
+  const VerifiedOrbit verified = verify_orbit(system, orbit);
+  CHECK(verified.agrees());
+  const OrbitCheck& exponents = check_of(verified, "exponents");
+  INFO(exponents.disagreement << " " << exponents.limit);
+  CHECK(exponents.applicable());
+  CHECK(exponents.limit < 1e-3);
+  CHECK(exponents.disagreement < bound::exponent);
+  CHECK(verified.average.periods == 2000);
+  CHECK(verified.average.impacts == 2000);
+  CHECK(verified.average.duration == Approx(2000.0 * orbit.duration).epsilon(1e-11));
+  orbit.multipliers.exponents[0] += 3e-4;
+  CHECK_FALSE(check_of(verify_orbit(system, orbit), "exponents").passes());
 }
 
 TEST_CASE("aligned tangent vectors: the average at a node needs no long time") {
