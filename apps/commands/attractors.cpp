@@ -490,13 +490,14 @@ Json attractors_result_schema() {
        {"attractor", "its id, by start, or by row and column of a grid; null: beyond a barrier, 0: lost, -1: not run",
         list_schema({{"anyOf", {code, list_schema(code)}}})}});
   basins["additionalProperties"] = list_schema(number);  // the axes, by the names of the states
-  return result_schema("attractors/1", "coexisting attractors and their basins",
-                       {object_schema({{"starts", "number of starts", count},
-                                       {"admissible", "starts that were run and lie in front of every barrier", count},
-                                       {"lost", "starts whose motion could not be continued", count},
-                                       {"periods", "forcing periods computed for them", count},
-                                       {"attractors", "most starts first", list_schema(found)},
-                                       {"basins", "attractor of each start", basins, false}})});
+  return result_schema(
+      "attractors/1", "coexisting attractors and their basins",
+      {object_schema({{"starts", "number of starts", count},
+                      {"admissible", "starts that were run and lie in front of every barrier", count},
+                      {"lost", "starts whose motion could not be continued", count},
+                      {"periods", "forcing periods, or returns of an autonomous system, computed for them", count},
+                      {"attractors", "most starts first", list_schema(found)},
+                      {"basins", "attractor of each start", basins, false}})});
 }
 
 std::function<int(const Console&)> set_up_attractors(CLI::App& app) {
@@ -515,9 +516,11 @@ std::function<int(const Console&)> set_up_attractors(CLI::App& app) {
   add_count(app, "--seed", options->seed, 0, "seed of the random starts (default 1)");
   begin_group(app, "Motions");
   add_count(app, "--transient", options->transient, 1,
-            "forcing periods in which an attractor must be recognised; then its exponents are averaged (default 1000)");
+            "forcing periods (returns without forcing) in which an attractor must be recognised; then its exponents are averaged "
+            "(default 1000)");
   add_count(app, "--periods", options->periods, 1,
-            "forcing periods of the average; a motion without an orbit by then is chaotic or undecided (default 20000)");
+            "forcing periods (returns without forcing) of the average; a motion without an orbit by then is chaotic or undecided "
+            "(default 20000)");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)", longest_period);
   add_flow_option(app, options->flow);
   add_quantity_option(app, options->quantities);

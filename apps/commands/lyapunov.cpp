@@ -67,7 +67,7 @@ const Columns<Attractor>& result_columns() {
                   {"stop", "why the average ended",
                    [=](const A& attractor) {
                      return std::string(is_orbit(attractor) ? "the attractor is a stable orbit"
-                                                            : lyapunov_stop_text(attractor.time_average.stop));
+                                                            : lyapunov_stop_text(attractor.time_average));
                    }},
                   {"attractor", "attractor of the motion", [](const A& attractor) { return attractor; }},
                   {"time_average", "along the motion, on an orbit too", &A::time_average}}});
@@ -156,7 +156,8 @@ std::function<int(const Console&)> set_up_lyapunov(CLI::App& app) {
   add_count(app, "--periods", options->periods, 1,
             "most forcing periods (returns without forcing) of the average (default 200000)");
   add_number(app, "--standard-error", options->standard_error, "stop where every standard error is below this (default 3e-4)");
-  add_count(app, "--interval", options->interval, 1, "forcing periods between two orthonormalisations (default 1)");
+  add_count(app, "--interval", options->interval, 1,
+            "forcing periods (returns without forcing) between two orthonormalisations (default 1)");
   add_number(app, "--change", options->change,
              "stop where no exponent changes by more than this from one interval to the next, instead of --standard-error");
   add_count(app, "--max-period", options->max_period, 1, "longest period that is recognised (default 64)");

@@ -311,13 +311,14 @@ std::function<int(const Console&)> set_up_map(CLI::App& app) {
             "rows in a chunk; finished chunks are kept if the program is killed (default 1, up to 16 of short rows)");
   add_quantity_option(app, options->quantities);
   begin_group(app, "Motions");
-  add_count(
-      app, "--settle", options->start.settle, 0,
-      "most forcing periods of transient from a start (default: the file's, else 1000); a stable orbit that is proved ends it");
+  add_count(app, "--settle", options->start.settle, 0,
+            "most forcing periods (returns without forcing) of transient from a start (default: the file's, else 1000); a stable "
+            "orbit that is proved ends it");
   add_count(app, "--transient", options->transient, 0,
-            "with --follow: most forcing periods of transient from a neighbour's state (default 300)");
+            "with --follow: most forcing periods (returns without forcing) of transient from a neighbour's state (default 300)");
   add_count(app, "--max-period", options->map.max_period, 1, "longest period that is recognised (default 64)", longest_period);
-  add_count(app, "--periods", options->map.periods, 1, "most forcing periods of an average (default 5000)");
+  add_count(app, "--periods", options->map.periods, 1,
+            "most forcing periods (returns without forcing) of an average (default 5000)");
   add_number(app, "--standard-error", options->standard_error,
              "bound of lambda_1's standard error where it is averaged (default 3e-3, enough for its sign)");
   add_flow_option(app, options->flow);

@@ -67,7 +67,8 @@ double quantity_of(const MapPoint& point, Eigen::Index place) {
 std::vector<MapField> map_fields(const std::vector<Quantity>& quantities) {
   std::vector<MapField> list = {
       field("type", "attractor", "type of attractor", &MapPoint::type),
-      field("period", "period", "n of z = p/n, in forcing periods; 0: not periodic", &MapPoint::period),
+      field("period", "period", "n of z = p/n, in forcing periods, or returns of an autonomous system; 0: not periodic",
+            &MapPoint::period),
       field("impacts", "impacts", "p of z = p/n; 0 also where not periodic", &MapPoint::impacts),
       field("lambda_1", "lambda_1", "first Lyapunov exponent per unit of dimensionless time", &MapPoint::lambda_1),
       field("standard_error", "standard_error", "of lambda_1; 0: exact, from the multipliers", &MapPoint::standard_error),

@@ -135,7 +135,7 @@ Picture phase_portrait(const Json& result, const std::vector<Sampled>& motions) 
   strobe.stroke = Stroke::marks;
   strobe.colour = "black";
   strobe.size = 1.2;
-  strobe.title = "forcing phase 0";
+  strobe.title = has_forcing(result) ? "forcing phase 0" : result.contains("stroboscopic") ? "returns" : "start";
   for (std::size_t i = 0; i < motions.size(); ++i) {
     Curve curve;
     curve.title = motions[i].title;
@@ -204,9 +204,12 @@ Picture draw_section(const Json& result) {
   const Json& name = result.at("section") == "event" ? result.at("options").at("section") : result.at("section");
   picture.title = fmt::format("Poincaré section ({})", name.get<std::string>());
   picture.subtitle = model_title(result);
-  picture.x_label = impacts ? "forcing phase eta tau mod 2 pi (radians)" : state_label(result, 0, stroboscopic);
+  const bool phases = impacts && has_forcing(result);  // else the times between the impacts
+  picture.x_label = phases    ? "forcing phase eta tau mod 2 pi (radians)"
+                    : impacts ? "time since the last impact" + unit_behind(problem_of(result), "t")
+                              : state_label(result, 0, stroboscopic);
   picture.y_label = impacts ? "speed of impact (dimensionless)" : state_label(result, 1, stroboscopic);
-  if (impacts) picture.x_range = {{0.0, 2.0 * M_PI}};
+  if (phases) picture.x_range = {{0.0, 2.0 * M_PI}};
   Curve curve;
   curve.stroke = Stroke::dots;
   const std::size_t count = result.at("points").size();
@@ -228,7 +231,7 @@ Picture draw_section(const Json& result) {
     highest = std::max(highest, barrier.position);
   }
   const double margin = 0.05 * std::max(highest - lowest, 1e-3);
-  if (!impacts && count > 0) picture.x_range = {{lowest - margin, highest + margin}};
+  if (!phases && count > 0) picture.x_range = {{lowest - margin, highest + margin}};
   // A periodic attractor consists of a few points: the axis shows where they are, not how their last digits differ.
   const double above = std::max(0.05 * (fastest - slowest), 0.01 * std::max(std::abs(slowest), std::abs(fastest)));
   if (count > 0) picture.y_range = {{slowest - std::max(above, 1e-3), fastest + std::max(above, 1e-3)}};

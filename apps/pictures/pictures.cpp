@@ -173,6 +173,8 @@ std::string unit_behind(const Problem& problem, const std::string& name) {
 
 std::string parameter_label(const Json& result, const std::string& name) { return name + unit_behind(result, name); }
 
+bool has_forcing(const Json& result) { return !result.contains("states") || is_forced(problem_of(result).system); }
+
 std::string time_label(const Json& result) {
   return result.contains("states") ? "t" + unit_behind(result, "t") : "tau (dimensionless time)";
 }
@@ -191,8 +193,7 @@ std::string state_name(const Json& result, std::size_t state) {
 std::string state_label(const Json& result, std::size_t state, bool at_phase_0) {
   const std::string name = state_name(result, state);
   if (is_shown(result, state)) return quantity_label(problem_of(result), name, at_phase_0);
-  const bool forced = !result.contains("states") || is_forced(problem_of(result).system);
-  return fmt::format("{}{}{}", name, at_phase_0 && forced ? " at forcing phase 0" : "", unit_behind(result, name));
+  return fmt::format("{}{}{}", name, at_phase_0 && has_forcing(result) ? " at forcing phase 0" : "", unit_behind(result, name));
 }
 
 }  // namespace graze::apps

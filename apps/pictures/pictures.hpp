@@ -68,6 +68,9 @@ inline constexpr const char* shown_plane = "shown_plane";
 /// The unit after a name on an axis: " / mm", " (dimensionless)"; empty if the file gives no unit.
 std::string unit_behind(const Problem& problem, const std::string& name);
 
+/// Whether the result is that of a forced system.
+bool has_forcing(const Json& result);
+
 /// Names for axes: "eta (dimensionless)"; for a system written as text "A / mm", or the plain name if no unit is given.
 std::string parameter_label(const Json& result, const std::string& name);
 std::string time_label(const Json& result);

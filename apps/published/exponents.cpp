@@ -206,7 +206,7 @@ class ExponentComparison {
       state = spectrum.state;
       runs.push_back({{"exponents", json_of(finite(spectrum.exponents))},
                       {"periods", spectrum.periods},
-                      {"stop", lyapunov_stop_text(spectrum.stop)}});
+                      {"stop", lyapunov_stop_text(spectrum)}});
       low = std::min(low, spectrum.exponents[0]);
       high = std::max(high, spectrum.exponents[0]);
       shortest = std::min(shortest, spectrum.periods);

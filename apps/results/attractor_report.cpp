@@ -52,7 +52,7 @@ const Columns<LyapunovSpectrum>& spectrum_columns() {
       {"periods", "of the average", &S::periods},
       {"impacts", "on the way", &S::impacts},
       {"converged", "the errors are below their bounds", &S::converged},
-      {"stop", "why the average ended", [](const S& s) { return std::string(lyapunov_stop_text(s.stop)); }},
+      {"stop", "why the average ended", [](const S& s) { return std::string(lyapunov_stop_text(s)); }},
       {"duration [time]", "of the average, of an autonomous motion", &S::duration,
        only([](const S& s) { return s.duration > 0.0; })}};
   return list;
@@ -189,7 +189,7 @@ std::string attractor_text(const Problem& problem, const Attractor& attractor, i
   if (average.liouville_residual >= 0.0)
     text += fmt::format("  Liouville residual {} per period (bound 1e-10, {})\n", rounded(average.liouville_residual, 2),
                         average.liouville_residual < 1e-10 ? "ok" : "FAILED");
-  text += fmt::format("  averaged over {} {}: {}\n", average.periods, periods_name(problem), lyapunov_stop_text(average.stop));
+  text += fmt::format("  averaged over {} {}: {}\n", average.periods, periods_name(problem), lyapunov_stop_text(average));
   if (periodic && !average.exponents.empty()) {
     constexpr double too_many = 5.0, rounding = 1e-13;
     const double difference = std::abs(average.exponents[0] - attractor.exponents[0]);

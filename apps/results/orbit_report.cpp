@@ -188,8 +188,8 @@ std::string orbit_text(const Problem& problem, const PeriodicOrbit& orbit, const
   const FloquetMultipliers& multipliers = orbit.multipliers;
   const bool forced = is_forced(problem.system);
   std::string text =
-      fmt::format("orbit {}: {} impact{} in {} {}{}, {}, {}\n", z_label(orbit), orbit.impacts, orbit.impacts == 1 ? "" : "s",
-                  orbit.period, forced ? "forcing period" : "turn", orbit.period == 1 ? "" : "s",
+      fmt::format("orbit {}: {} in {}, {}, {}\n", z_label(orbit), counted(static_cast<std::size_t>(orbit.impacts), "impact"),
+                  counted_periods(problem, orbit.period),
                   !stability.empty() ? stability
                   : orbit.neutral()  ? "neutral (nothing dissipates)"
                   : orbit.stable()   ? "stable"

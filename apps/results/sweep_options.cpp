@@ -39,8 +39,11 @@ SweepOptions sweep_options(const SweepRange& range, const SweepingOptions& optio
 void add_sweeping_options(CLI::App& app, SweepingOptions& options, Need step, const std::string& step_help) {
   add_number(app, "--step", options.step, step_help, step);
   add_count(app, "--transient", options.transient, 0,
-            "most forcing periods of transient at each value but the first (default 300); a stable orbit that is proved ends it");
-  add_count(app, "--periods", options.periods, 1, "most forcing periods of each average (default 20000)");
+            "most forcing periods (returns without forcing) of transient at each value but the first (default 300); a stable "
+            "orbit that is "
+            "proved ends it");
+  add_count(app, "--periods", options.periods, 1,
+            "most forcing periods (returns without forcing) of each average (default 20000)");
   add_number(app, "--standard-error", options.standard_error, "bound of the exponents' standard errors (default 1e-3)");
   add_count(app, "--samples", options.samples, 1, "stroboscopic states kept of an attractor that is not periodic (default 200)");
   add_flow_option(app, options.flow);

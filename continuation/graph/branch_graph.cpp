@@ -147,7 +147,8 @@ class Graph {
     const Branch* parent = seed ? nullptr : &graph_.branches[task.parent];
     const int impacts = seed ? task.orbit.isolated_impacts : parent->points.front().isolated_impacts;
     if (impacts > choice_.most_impacts * (seed ? task.orbit.period : parent->period))
-      return because(fmt::format("more than {} impacts in a forcing period", choice_.most_impacts));
+      return because(
+          fmt::format("more than {} impacts in a {}", choice_.most_impacts, is_forced(system_) ? "forcing period" : "return"));
     if (seed && std::any_of(series_.begin(), series_.end(),
                             [&](const ChatterSeries& series) { return series.explains(task.orbit, value_of(task.orbit)); }))
       return because("of a series towards complete chatter");

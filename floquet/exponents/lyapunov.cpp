@@ -41,6 +41,12 @@ std::string_view lyapunov_stop_text(LyapunovStop reason) {
   return "";
 }
 
+std::string_view lyapunov_stop_text(const LyapunovSpectrum& average) {
+  const bool counts_returns = average.duration > 0.0;
+  if (counts_returns && average.stop == LyapunovStop::budget) return "the budget of returns is used up";
+  return lyapunov_stop_text(average.stop);
+}
+
 double period_time(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average) {
   return is_forced(system) ? forcing_period(system, p) : average.duration / static_cast<double>(average.periods);
 }

@@ -92,6 +92,9 @@ struct LyapunovSpectrum {
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options = {});
 
+/// Why the average ended, in words. An autonomous motion has returns in place of forcing periods.
+std::string_view lyapunov_stop_text(const LyapunovSpectrum& average);
+
 /// Mean time of a period of the averaged motion: the forcing period, or the mean time between its returns.
 double period_time(const HybridSystem& system, const Vector& p, const LyapunovSpectrum& average);
 

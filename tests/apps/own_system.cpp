@@ -322,6 +322,27 @@ TEST_CASE("an orbit with another number of returns than --period is named and is
   }
 }
 
+TEST_CASE("results of an autonomous system count returns (fixed)") {
+  const TemporaryFolder folder;
+  const std::string wheel = model("rimless-wheel");
+  const std::vector<std::vector<std::string>> commands = {{"orbit", wheel},
+                                                          {"verify", wheel, "--param", "gamma"},
+                                                          {"lyapunov", wheel, "--periods", "200"},
+                                                          {"poincare", wheel, "--section", "impact", "--points", "5"}};
+  for (std::vector<std::string> command : commands) {
+    const std::string picture = folder.file(command.front() + ".svg");
+    command.insert(command.end(), {"--quiet", "--plot", picture});
+    const Outcome outcome = call(command);
+    INFO(command.front() << "\n" << outcome.out << outcome.err);
+    CHECK(outcome.code == 0);
+    CHECK_THAT(outcome.out, Contains("return"));
+    CHECK_THAT(outcome.out, !Contains("forcing") && !Contains("turn,"));
+    CHECK_THAT(read_file(picture), !Contains("forcing"));
+  }
+  CHECK_THAT(call({"orbit", wheel, "--quiet"}).out, Contains("1 impact in 1 return, stable"));
+  CHECK(result("lyapunov", wheel, {"--periods", "200"})["time_average"]["stop"] == "the budget of returns is used up");
+}
+
 TEST_CASE("verify averages the exponents of an autonomous orbit, and says why a check is not applicable (fixed)") {
   // One multiplier of the wheel is cos(2 alpha)^2 = 1/2, the other 1, along the flow.
   const Json orbit = result("verify", model("rimless-wheel"), {"--param", "gamma"})["orbits"][0];
