@@ -88,7 +88,9 @@ Picture picture_of(const Json& result, const std::string& kind) {
     std::vector<std::string> known;
     for (const PictureKind& candidate : picture_kinds())
       if (std::find(known.begin(), known.end(), candidate.schema) == known.end()) known.push_back(candidate.schema);
-    throw std::invalid_argument(fmt::format("unknown schema {}; known are {}", schema, fmt::join(known, ", ")));
+    throw std::invalid_argument(fmt::format(
+        "unknown schema {}; known are {}; compute the result again with this graze, or plot it with the one that wrote it",
+        schema, fmt::join(known, ", ")));
   }
   std::string wanted = kind.empty() ? names.front() : kind;
   const std::string command = text_of(result, "command");
@@ -171,9 +173,9 @@ std::string unit_behind(const Problem& problem, const std::string& name) {
   return unit == problem.written->units.end() ? std::string() : " / " + unit->second;
 }
 
-std::string parameter_label(const Json& result, const std::string& name) { return name + unit_behind(result, name); }
-
 bool has_forcing(const Json& result) { return !result.contains("states") || is_forced(problem_of(result).system); }
+
+std::string parameter_label(const Json& result, const std::string& name) { return name + unit_behind(result, name); }
 
 std::string time_label(const Json& result) {
   return result.contains("states") ? "t" + unit_behind(result, "t") : "tau (dimensionless time)";

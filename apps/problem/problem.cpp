@@ -295,6 +295,18 @@ void check_finite(const Problem& problem, const Vector& state) {
   if (found) throw equations::not_finite_error(*problem.written, *found, 0.0, state);
 }
 
+/// One sentence on a start inside a barrier: a given one, that of the file, or rest.
+std::string inside_barrier(const Problem& problem, const Vector& state, bool given) {
+  const std::string values = fmt::format("({})", fmt::join(exact_cells(state), ", "));
+  const std::string side = is_built_in(problem) ? fmt::format(", x <= r = {}", exact(parameter(problem, "r"))) : "";
+  if (given)
+    return fmt::format("--start {}: the state {} lies inside the barrier; give one on its free side{}",
+                       fmt::join(exact_cells(state), ","), values, side);
+  const std::string which = problem.start ? "the [start] state" : "[start] is not given, and rest, the state";
+  return fmt::format("{}: {} {}{} lies inside the barrier; give a state on its free side{} by --start or in [start]",
+                     problem.file, which, values, problem.start ? "" : ",", side);
+}
+
 }  // namespace
 
 Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
@@ -306,13 +318,13 @@ Vector start_state(const Problem& problem, const std::optional<Vector>& given) {
   } catch (const equations::EquationError&) {
     throw;
   } catch (const std::invalid_argument& error) {
-    const std::string source = given           ? fmt::format("--start {}", fmt::join(exact_cells(wanted), ","))
-                               : problem.start ? problem.file + ": [start] state"
-                                               : problem.file + " gives no [start] state, and rest";
-    const std::string allowed = !wanted.allFinite() ? fmt::format("; give {} that are", wanted.size() == 2 ? "two" : "numbers")
-                                : !is_built_in(problem) ? "; give another by --start"
-                                                        : fmt::format(", x <= r = {}", exact(parameter(problem, "r")));
-    throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(), allowed));
+    const bool right_size = wanted.size() == static_cast<Eigen::Index>(problem.system.states);
+    if (right_size && wanted.allFinite()) throw std::invalid_argument(inside_barrier(problem, wanted, given.has_value()));
+    const std::string source =
+        given ? fmt::format("--start {}", fmt::join(exact_cells(wanted), ",")) : problem.file + ": [start] state";
+    const std::string advice =
+        wanted.allFinite() ? "" : fmt::format("; give {} that are", wanted.size() == 2 ? "two" : "numbers");
+    throw std::invalid_argument(fmt::format("{}: {}{}", source, error.what(), advice));
   }
   return wanted;
 }

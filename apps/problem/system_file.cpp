@@ -275,7 +275,8 @@ class Reader {
       const std::vector<Text> names = out_.state_texts();
       if (list->size() != names.size())
         refuse(place_of(state->source()),
-               fmt::format("state has {} entries; the system has {} states", list->size(), names.size()));
+               fmt::format("the number of entries of state is {}, and that of states {}; give one entry for each state",
+                           list->size(), names.size()));
       for (std::size_t i = 0; i < list->size(); ++i) out_.start.push_back({names[i], value_of(*list->get(i), "a state")});
       return;
     }

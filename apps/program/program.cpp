@@ -79,6 +79,7 @@ std::string advice_on(const CLI::App& app, const std::string& name) {
 /// One sentence on an error found by CLI11.
 std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::ParseError& error) {
   const bool command_given = &used != &app;
+  const std::string help = fmt::format("`graze {}--help` lists all", command_given ? used.get_name() + " " : "");
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
     std::vector<std::string> extra = command_given ? used.remaining() : app.remaining();
     if (extra.empty()) extra = app.remaining(true);
@@ -86,11 +87,12 @@ std::string sentence(const CLI::App& app, const CLI::App& used, const CLI::Parse
     const std::string given = argument.substr(0, argument.starts_with("-") ? argument.find('=') : std::string::npos);
     if (given.starts_with("-")) {
       const std::string nearest = nearest_name(given, option_names(used));
-      return fmt::format("there is no option {}{}", given, nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest));
+      return fmt::format("there is no option {}{}; {}", given, nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest),
+                         help);
     }
     if (command_given && given.find('=') != std::string::npos && used.get_option_no_throw("--set"))
       return fmt::format("\"{}\" is one argument too many; a setting stands behind a --set of its own: --set {}", given, given);
-    if (command_given) return fmt::format("\"{}\" is one argument too many", given);
+    if (command_given) return fmt::format("\"{}\" is one argument too many; {}", given, help);
     std::vector<std::string> names;
     for (const Command& command : commands()) names.push_back(command.name);
     return unknown_name("command", given, names);

@@ -108,7 +108,8 @@ Json read_to_resume(const std::string& folder, const std::string& command) {
   const std::vector<std::string> known = schemas_of(command);
   if (const std::string schema = schema_of(result); std::find(known.begin(), known.end(), schema) == known.end())
     throw_not_resumable(folder, command,
-                        fmt::format("is {}, which this graze does not know; it goes on with {}",
+                        fmt::format("is {}, which this graze does not know; it goes on with {}; begin anew with --out, or go on "
+                                    "with the graze that wrote it",
                                     schema.empty() ? "of no schema" : "of schema " + schema, fmt::join(known, " and ")));
   remove_unfinished(folder, command);
   return result;

@@ -31,8 +31,8 @@ std::vector<std::size_t> BranchProblem::free_indices() const {
 
 void BranchProblem::set_values(Vector& u, const Vector& values) const {
   if (values.size() != std::ssize(free_))
-    throw std::invalid_argument(
-        fmt::format("{} parameter values were given; this problem has {} free parameters", values.size(), free_.size()));
+    throw std::invalid_argument(fmt::format("the number of values is {}, and that of free parameters {}; give one value for each",
+                                            values.size(), free_.size()));
   u.tail(values.size()) = values;
 }
 
@@ -83,7 +83,9 @@ std::vector<PinnedState> BranchProblem::kept_states(const Vector& u, const Matri
 
 void require_one_parameter(const BranchProblem& problem) {
   if (problem.free().size() != 1)
-    throw std::invalid_argument(fmt::format("a point was asked for in {} free parameters; allowed is 1", problem.free().size()));
+    throw std::invalid_argument(
+        fmt::format("a point was asked for in {} free parameters; a point has 1: free one of them, and give the others values",
+                    problem.free().size()));
 }
 
 }  // namespace graze

@@ -57,8 +57,8 @@ void read_law(const Coordinates& coordinates, const StopText& text, Contact& sto
                                              suggestion_or_list(text.law.text, known)));
   }
   if (text.values.size() < law->least || text.values.size() > law->most)
-    names.refuse(text.law.place, fmt::format("the law {} of the stop {} has {} values; it takes {}", law->name, name,
-                                             text.values.size(), law->values));
+    names.refuse(text.law.place, fmt::format("the law {} of the stop {} has {} value{}; it takes {}", law->name, name,
+                                             text.values.size(), text.values.size() == 1 ? "" : "s", law->values));
   const std::string where = fmt::format("in the law of {}", name);
   // Depth and its rate are symbols of their own until the law is known.
   const Expression d = graph.state(2 * coordinates.n), d_rate = graph.state(2 * coordinates.n + 1);

@@ -19,14 +19,18 @@ Square read_matrix(const Coordinates& coordinates, const std::vector<std::vector
   const Names& names = coordinates.names;
   const std::size_t n = coordinates.n;
   const Place first = rows.empty() || rows[0].empty() ? coordinates.text.place : rows[0][0].place;
+  const auto counted = [](std::size_t count, const char* one, const char* more) {
+    return fmt::format("{} {}", count, count == 1 ? one : more);
+  };
+  const std::string wanted = n == 1 ? std::string("it needs 1 row of 1 entry, as there is 1 coordinate")
+                                    : fmt::format("it needs {0} rows of {0} entries, as there are {0} coordinates", n);
   if (rows.size() != n)
-    names.refuse(first, fmt::format("the {} matrix has {} rows; there are {} coordinates", kind, rows.size(), n));
+    names.refuse(first, fmt::format("the {} matrix has {}; {}", kind, counted(rows.size(), "row", "rows"), wanted));
   Square out;
   for (std::size_t i = 0; i < n; ++i) {
     if (rows[i].size() != n)
-      names.refuse(
-          rows[i].empty() ? first : rows[i][0].place,
-          fmt::format("row {} of the {} matrix has {} entries; there are {} coordinates", i + 1, kind, rows[i].size(), n));
+      names.refuse(rows[i].empty() ? first : rows[i][0].place, fmt::format("row {} of the {} matrix has {}; {}", i + 1, kind,
+                                                                           counted(rows[i].size(), "entry", "entries"), wanted));
     out.emplace_back();
     for (std::size_t j = 0; j < n; ++j)
       out.back().push_back(
@@ -76,7 +80,9 @@ Column read_force(const Coordinates& coordinates) {
   const std::size_t n = coordinates.n;
   Column out;
   if (!text.force.empty() && text.force.size() != n)
-    names.refuse(text.force[0].place, fmt::format("there are {} forces and {} coordinates", text.force.size(), n));
+    names.refuse(text.force[0].place,
+                 fmt::format("the number of forces is {}, and that of coordinates {}; give one force for each coordinate",
+                             text.force.size(), n));
   const Square damping = text.damping.empty() ? Square() : read_matrix(coordinates, text.damping, "damping");
   const Square stiffness = text.stiffness.empty() ? Square() : read_matrix(coordinates, text.stiffness, "stiffness");
   for (std::size_t i = 0; i < n; ++i) {

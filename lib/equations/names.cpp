@@ -123,7 +123,8 @@ class NamesReader {
     if (mechanics.velocities.size() != mechanics.coordinates.size())
       names_.refuse(
           mechanics.velocities.empty() ? mechanics.place : mechanics.velocities[0].place,
-          fmt::format("there are {} coordinates and {} velocities", mechanics.coordinates.size(), mechanics.velocities.size()));
+          fmt::format("the number of coordinates is {}, and that of velocities {}; give one velocity for each coordinate",
+                      mechanics.coordinates.size(), mechanics.velocities.size()));
   }
 
   void read_declarations() {

@@ -135,7 +135,8 @@ TEST_CASE("an unknown schema is refused by --resume and plot in one sentence") {
     CHECK(std::count(resumed.err.begin(), resumed.err.end(), '\n') == 1);
     const Outcome plotted = call({"plot", out + "/" + name + ".json", "-o", folder.file("x.png")});
     CHECK(plotted.code == 2);
-    CHECK_THAT(plotted.err, Contains("unknown schema graze.future/7; known are graze."));
+    CHECK_THAT(plotted.err, Contains("unknown schema graze.future/7; known are graze.") &&
+                                Contains("compute the result again with this graze"));
   }
 }
 

@@ -548,7 +548,12 @@ TEST_CASE("states are given by name or by position") {
   CHECK_THAT(call({"orbit", file, "--start", "1,2,3"}).err,
              Contains("--start 1,2,3: must be two numbers x,v, or some of them by name"));
   CHECK_THAT(call({"orbit", file, "--start", "x=1,2"}).err, Contains("two numbers x,v") && Contains("by name"));
-  CHECK_THAT(call({"orbit", file, "--start", "x=0.7"}).err, Contains("lies inside the barrier"));
+  CHECK_THAT(call({"orbit", file, "--start", "x=0.7"}).err,
+             Contains("--start 0.7,0: the state (0.7, 0) lies inside the barrier; give one on its free side\n"));
+  CHECK_THAT(call({"orbit", file, "--set", "r=-5"}).err,
+             Contains("duffing.toml: [start] is not given, and rest, the state (0, 0), "
+                      "lies inside the barrier; give a state on its free side by "
+                      "--start or in [start]\n"));
 }
 
 TEST_CASE("a mistake in a system gives one sentence with its place") {

@@ -55,8 +55,10 @@ TEST_CASE("version and help go to stdout with exit 0") {
 TEST_CASE("wrong commands and options are misuse") {
   CHECK_THAT(misuse("obrit " + hertz), Contains("no command \"obrit\"") && Contains("did you mean \"orbit\""));
   CHECK_THAT(misuse("orbit " + hertz + " --perod 2"), Contains("no option --perod") && Contains("did you mean --period"));
+  CHECK_THAT(misuse("orbit " + hertz + " --grid 3"), Contains("there is no option --grid; `graze orbit --help` lists all"));
+  CHECK_THAT(misuse("--foo"), Contains("there is no option --foo; `graze --help` lists all"));
   CHECK_THAT(misuse("orbit"), Contains("graze orbit: PROBLEM is required; give a FILE: problem file"));
-  CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many"));
+  CHECK_THAT(misuse("orbit " + hertz + " again"), Contains("\"again\" is one argument too many; `graze orbit --help` lists all"));
   CHECK_THAT(misuse("orbit " + hertz + " --set b=0.06 r=2"),
              Contains("\"r=2\" is one argument too many") && Contains("behind a --set of its own: --set r=2"));
   CHECK_THAT(misuse("orbit " + hertz + " --period two"), Contains("--period two") && Contains("whole number >= 1"));

@@ -653,9 +653,10 @@ TEST_CASE("each mistake in mechanics gives one sentence with its place") {
   REQUIRE(mistake(two({{"1", "2"}, {"m", "1"}}).system) ==
           "system.toml:10:1: the mass matrix is not symmetric: row 2, column 1 is 1, row 1, column 2 is 2");
   REQUIRE(mistake(two({{"1", "0"}, {"0", "1 + v"}}).system) == "system.toml:11:1: the mass matrix depends on the velocity v");
-  REQUIRE(mistake(two({{"1", "0"}}).system) == "system.toml:8:1: the mass matrix has 1 rows; there are 2 coordinates");
+  REQUIRE(mistake(two({{"1", "0"}}).system) ==
+          "system.toml:8:1: the mass matrix has 1 row; it needs 2 rows of 2 entries, as there are 2 coordinates");
   REQUIRE(mistake(two({{"1", "0"}, {"0"}}).system) ==
-          "system.toml:10:1: row 2 of the mass matrix has 1 entries; there are 2 coordinates");
+          "system.toml:10:1: row 2 of the mass matrix has 1 entry; it needs 2 rows of 2 entries, as there are 2 coordinates");
   REQUIRE(mistake(two(unit).stop("wall", "1 - v", "newton", {"1"}).system) ==
           "system.toml:13:1: the gap of wall depends on the velocity v");
   REQUIRE(mistake(two(unit).stop("wall", "m", "newton", {"1"}).system) ==
