@@ -27,6 +27,10 @@ namespace graze {
 
 namespace {
 
+/// The multiplier -1 is double (as without damping) if its left and right unit vectors are normal to each other up to the square
+/// root of rounding. It has no such normal form.
+constexpr double least_overlap = 1e-6;
+
 struct NormalForm {
   double c = 0.0;
   double error = 0.0;  ///< change of c when the difference step is halved
@@ -50,7 +54,8 @@ std::optional<NormalForm> extrapolate_differences(const std::function<std::optio
   return best;
 }
 
-/// The coefficient of the period-n map in states. Empty if the signature changes within every difference step.
+/// The coefficient of the period-n map in states. Empty if the signature changes within every difference step, or if the
+/// multiplier is double.
 std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   const int n = problem.states();
   ShootingEquations& equations = problem.equations();
@@ -72,6 +77,7 @@ std::optional<NormalForm> normal_form(OrbitProblem& problem, const Vector& u) {
   const NullVectors<Matrix> null = null_vectors(Matrix(*M + Matrix::Identity(n, n)));
   const Vector& q = null.right;
   Vector p = null.left;
+  if (std::abs(p.dot(q)) < least_overlap * p.norm() * q.norm()) return std::nullopt;
   p /= p.dot(q);
   Matrix I_minus_M = Matrix::Identity(n, n) - *M;
   for (const PinnedState& pin : problem.pinned()) I_minus_M.row(pin.state.index) = pin.state.gradient(n);
@@ -108,7 +114,7 @@ std::optional<NormalForm> normal_form_by_events(BranchProblem& problem, const Lo
   const OrbitLU<Matrix> second_order(bordered);
   const Matrix dK = (problem.cyclic(located.u, 1.0) - problem.cyclic(located.u, 0.0)).real();
   const double denominator = 12.0 * w.dot(dK * v);
-  if (half != v.size() || denominator == 0.0) return std::nullopt;
+  if (half != v.size() || !(std::abs(denominator) > 12.0 * least_overlap * w.norm() * (dK * v).norm())) return std::nullopt;
   return extrapolate_differences([&](double h) -> std::optional<double> {
     const auto ahead = jacobian(h), behind = jacobian(-h);
     if (!ahead || !behind) return std::nullopt;
