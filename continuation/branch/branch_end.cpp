@@ -30,10 +30,10 @@ bool releases_beyond(const HybridSystem& system, const Branch& branch, double va
 
 OrbitProblem orbit_problem(const SharedSystem& system, const PeriodicOrbit& orbit, const ContinuationOptions& options, double low,
                            double high, int copies) {
-  const double scale = std::max(high - low, 1e-6 * (1.0 + std::abs(high)));
+  const double unit = parameter_unit(low, high), scale = std::max(high - low, 1e-6 * (unit + std::abs(high)));
   const std::size_t parameter = parameter_index(system->parameters, options.parameter);
-  OrbitProblem problem(system, orbit.parameters, copies * orbit.period, copies * static_cast<int>(orbit.nodes.size()), parameter,
-                       scale, options.shooting.flow, orbit.section_phase);
+  OrbitProblem problem(system, orbit.parameters, copies * orbit.period, copies * static_cast<int>(orbit.nodes.size()),
+                       {{parameter, scale, unit}}, options.shooting.flow, orbit.section_phase);
   std::vector<Vector> nodes;
   for (int k = 0; k < copies; ++k) nodes.insert(nodes.end(), orbit.nodes.begin(), orbit.nodes.end());
   const double value = orbit.parameters[static_cast<Eigen::Index>(parameter)];
@@ -97,7 +97,7 @@ std::optional<GrazingEnd> relocate_grazing_end(const HybridSystem& system, const
     quiet.trace.initial_step = 1e-4;
     const FollowSettings settings(system, quiet, low, high);
     std::optional<GrazingEnd> end = follow_branch(settings, problem, {u, direction * problem.parameter_direction()}, again);
-    if (end && std::abs(again.special_points.back().value - point.value) < 1e-9 * (1.0 + std::abs(point.value))) return end;
+    if (end && std::abs(again.special_points.back().value - point.value) < 1e-9 * problem.size_of_value(point.value)) return end;
   }
   return std::nullopt;
 }
@@ -120,12 +120,12 @@ GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch) {
 }
 
 const KnownEdge* partner_edge_among(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point,
-                                    GrazingEnd end) {
+                                    GrazingEnd end, double unit) {
   GrazingEdge partner = partner_edge(point, end.grazing, end.lost);
   // The partner has one impact more, or several if several contacts graze together.
   for (int more = 0; more < (end.lost ? 1 : max_simultaneous_contacts); ++more, ++partner.impacts)
     for (const KnownEdge& known : edges)
-      if (known.branch != index && same_edge(known.edge, partner)) return &known;
+      if (known.branch != index && same_edge(known.edge, partner, unit)) return &known;
   return nullptr;
 }
 

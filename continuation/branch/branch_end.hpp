@@ -39,9 +39,10 @@ bool is_partner(const Branch& child, const Branch& ended);
 /// The edge at which the branch, born on the grazing `point`, begins.
 GrazingEdge first_edge(const SpecialPoint& point, const Branch& branch);
 
-/// The known edge of the family on the other side of the grazing `point`, on which branch `index` ended; null if unknown.
+/// The known edge of the family on the other side of the grazing `point`, on which branch `index` ended; null if unknown. `unit`:
+/// of the parameter (parameter_unit).
 const KnownEdge* partner_edge_among(const std::vector<KnownEdge>& edges, std::size_t index, const SpecialPoint& point,
-                                    GrazingEnd end);
+                                    GrazingEnd end, double unit);
 
 /// Changes the scenario of the grazing at the end of the branch, both in its details and in the message of the branch.
 void set_scenario(Branch& branch, const std::function<void(SpecialPoint&)>& change);

@@ -80,7 +80,7 @@ bool BranchRecord::take(BranchProblem& problem, const CurvePoint& before, const 
   const bool long_step = !corner && after.arclength - before.arclength > smallest_doubt;
   const auto doubtful = [&](const PointInStep& special) { return special.point.status != PointStatus::converged && long_step; };
   if (std::any_of(met.begin(), met.end(), doubtful)) return false;
-  const TestPoint a{before, branch_.points.back()}, b{after, point};
+  const TestPoint a{before, branch_.points.back(), problem.unit()}, b{after, point, problem.unit()};
   constexpr double longest_undivided = 1e-3;
   const bool divisible = !corner && met.empty() && after.arclength - before.arclength > longest_undivided;
   EarlierValues values{a.branch.arclength, {}};
@@ -166,7 +166,7 @@ std::optional<Verdict> BranchRecord::end_at_half(BranchProblem& problem, const C
 bool BranchRecord::end_on_bound(BranchProblem& problem) {
   const BranchPoint& end = branch_.points.back();
   for (const double bound : {settings_.low, settings_.high}) {
-    if (end.value == bound || std::abs(end.value - bound) > 1e-6 * (1.0 + std::abs(bound))) continue;
+    if (end.value == bound || std::abs(end.value - bound) > 1e-6 * problem.size_of_value(bound)) continue;
     const Vector u = at_value(problem, last_, bound, settings_.options.trace);
     if (u.size() == 0) return false;
     BranchPoint point = problem.branch_point(u, end.arclength + std::abs(end.value - bound) / (settings_.high - settings_.low));
@@ -178,10 +178,17 @@ bool BranchRecord::end_on_bound(BranchProblem& problem) {
   return false;
 }
 
+ZeroProblem traced_problem(const FollowSettings& settings, BranchProblem& problem) {
+  ZeroProblem zero = problem.zero_problem();
+  const ParameterInfo& info = settings.system->parameters[problem.parameter()];
+  zero.limits.push_back({problem.orbit_unknowns(), info.lower, info.upper, settings.low, settings.high});
+  return zero;
+}
+
 std::optional<Verdict> end_of_range(const FollowSettings& settings, BranchProblem& problem, const CurvePoint& before,
                                     CurvePoint& after) {
   const double value = problem.value(after.u), last = problem.value(before.u);
-  const double tolerance = 1e-14 * (1.0 + std::abs(settings.high));
+  const double tolerance = 1e-14 * problem.size_of_value(settings.high);
   const bool above = value >= settings.high - tolerance && last < settings.high && value > last;
   const bool below = value <= settings.low + tolerance && last > settings.low && value < last;
   if (!above && !below) {

@@ -108,6 +108,9 @@ struct BranchRecord::Mark {
   std::optional<BranchEnding> ending = {};
 };
 
+/// The equations for the tracer: a step that would pass a limit of the parameter ends on the end of the range.
+ZeroProblem traced_problem(const FollowSettings& settings, BranchProblem& problem);
+
 /// Handles the end of the range: moves the end of the step onto it. Empty if the step does not reach it. A step that begins on
 /// the end of the range and ends outside has passed a fold and must be shortened.
 std::optional<Verdict> end_of_range(const FollowSettings& settings, BranchProblem& problem, const CurvePoint& before,

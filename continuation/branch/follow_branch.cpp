@@ -31,19 +31,19 @@ std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart
   out.sequence = here->sequence;
   out.step = start.step;
   const SignatureProblem moved(problem.system(), problem.equations().parameters(), problem.period(), here->sequence,
-                               problem.parameter(), problem.scale(), problem.equations().options());
+                               problem.free(), problem.equations().options());
   out.u = moved.pack(*here, problem.value(start.u));
   out.orientation = problem.value(start.orientation) * moved.parameter_direction();
   // If only the parameter gives the direction, differences are useless: the displaced states are no orbits.
   if (start.orientation.head(start.orientation.size() - 1).isZero(0.0)) return out;
   // The direction by finite differences. The difference is small against the square of the speed of a weak impact, because the
   // impact exists within that distance of the barrier.
-  const double small = 1e-8 / std::max(1e-300, start.orientation.lpNorm<Eigen::Infinity>());
+  const double small = 1e-8 / std::max(1e-300, problem.largest_change(start.orientation));
   const Vector u_before = start.u - small * start.orientation;
   const std::optional<EventNodes> before = event_nodes(problem.orbit(u_before));
   if (before && before->sequence == here->sequence) {
     const Vector direction = (out.u - moved.pack(*before, problem.value(u_before))) / small;
-    if (direction.allFinite() && direction.lpNorm<Eigen::Infinity>() < 1e6) out.orientation = direction;
+    if (direction.allFinite() && moved.largest_change(direction) < 1e6) out.orientation = direction;
   }
   return out;
 }
@@ -57,11 +57,8 @@ std::optional<BranchStart> continuation_in_states(OrbitProblem& problem, const S
   const auto& refused = followed.refused;
   const HybridSystem& system = problem.system();
   if (curve.stop != TraceStop::min_step || followed.grazing || branch.points.empty() || curve.points.empty()) return std::nullopt;
-  const std::vector<std::size_t>& sequence = signature.equations().sequence();
   const bool sticks = refused && refused->met && !begins_contact(system.events[refused->met->event].kind);
-  const bool through_modes = std::any_of(sequence.begin(), sequence.end(),
-                                         [&](std::size_t event) { return system.events[event].to != system.events[event].from; });
-  if (!through_modes && !sticks && !is_plastic(system, signature.equations().parameters())) return std::nullopt;
+  if (!signature.through_modes() && !sticks && !is_plastic(system, signature.equations().parameters())) return std::nullopt;
   const BranchPoint& end = branch.points.back();
   OrbitProblem there = problem.with_section(end.section_phase);
   if (there.nodes() != static_cast<int>(end.nodes.size())) return std::nullopt;
@@ -79,12 +76,12 @@ std::optional<BranchStart> continuation_in_states(OrbitProblem& problem, const S
 /// The grazing at which the branch broke off; `onwards`: direction of the parameter at its end. One that it has left behind is
 /// not.
 std::optional<GrazingEnd> grazing_at_failure(OrbitProblem& problem, double onwards, Branch& branch) {
-  constexpr double slack = 1e-6;  // relative to 1 + |value|: a fold may lie just ahead of the grazing
+  constexpr double slack = 1e-6;  // relative to the value's size: a fold may lie just ahead of the grazing
   const BranchPoint& end = branch.points.back();
   std::optional<LocatedGrazing> located = grazing_beside(problem, problem.pack(end.nodes, end.duration, end.value));
   if (!located) return std::nullopt;
   const double ahead = problem.value(located->u) - end.value;
-  if (std::abs(ahead) > slack * (1.0 + std::abs(end.value)) && ahead * onwards < 0.0) return std::nullopt;
+  if (std::abs(ahead) > slack * problem.size_of_value(end.value) && ahead * onwards < 0.0) return std::nullopt;
   // A contact too weak for the free motion to reproduce is an impact that the branch has, not one that it misses.
   const bool lost = located->orbit.impacts < end.impacts;
   branch.special_points.push_back(grazing_point(problem.system(), *located, end.impacts, end.impacts + (lost ? -1 : 1), branch));
@@ -159,7 +156,7 @@ std::optional<GrazingEnd> finish(BranchProblem& problem, Followed followed, Bran
     const bool meets_release = refused && refused->met && system.events[refused->met->event].kind == EventKind::release;
     // A little farther, where the release is surely resolved.
     const double ahead = curve.first_failed ? problem.value(*curve.first_failed) - end.value : 0.0;
-    const double beyond = std::max(std::abs(ahead), 1e-6 * (1.0 + std::abs(end.value)));
+    const double beyond = std::max(std::abs(ahead), 1e-6 * problem.size_of_value(end.value));
     const bool lifts_off = ahead != 0.0 && releases_beyond(system, branch, end.value + std::copysign(beyond, ahead));
     const std::string reason = released || meets_release || lifts_off
                                    ? "a mass that is held along all orbits before is released there"

@@ -77,7 +77,7 @@ std::optional<PointInStep> locate_confirmed(BranchProblem& problem, const TestFu
       const double s = std::clamp((lo * f_hi - hi * f_lo) / (f_hi - f_lo), lo + 0.01 * (hi - lo), hi - 0.01 * (hi - lo));
       std::optional<PointBetween> trial = point_between(problem, before, after, s, options);
       if (!trial) break;
-      const double f = test.value({trial->curve, trial->branch});
+      const double f = test.value({trial->curve, trial->branch, problem.unit()});
       best = std::move(trial->curve);
       best_branch = std::move(trial->branch);
       if ((f < 0.0) == (f_lo < 0.0)) {
@@ -113,7 +113,7 @@ std::optional<PointInStep> locate_confirmed(BranchProblem& problem, const TestFu
   for (const bool again : {false, true}) {
     if (found) break;
     again ? narrow_bracket(40, 0.0, 1e-4) : narrow_bracket(8, 1e-5, 1e-7);
-    located = test.locate(problem, best.u, {best, best_branch});
+    located = test.locate(problem, best.u, {best, best_branch, problem.unit()});
     found = located.newton.converged() && within_bracket(located.u);
   }
   point.newton = located.newton;
@@ -131,7 +131,7 @@ std::optional<PointInStep> locate_confirmed(BranchProblem& problem, const TestFu
     narrow_bracket(60, 0.0, 1e-12);
     if (!at_corner && !(test.distance(best_branch) < announced)) return std::nullopt;
     point.value = problem.value(best.u);
-    point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * (1.0 + std::abs(point.value)));
+    point.precision = std::max(std::abs(value_hi - value_lo), 1e-13 * problem.size_of_value(point.value));
     point.status = hi - lo <= 1e-10 ? PointStatus::converged : PointStatus::bracketed;
     point.orbit = problem.orbit(best.u);
     point.orbit.multipliers = best_branch.multipliers;
@@ -148,16 +148,16 @@ std::optional<PointInStep> locate_halving(BranchProblem& problem, const TestFunc
                                           const TraceOptions& options) {
   constexpr int halvings = 20;
   PointBetween lo{before.curve, before.branch}, hi{after.curve, after.branch};
+  const auto input = [&](const PointBetween& point) { return TestPoint{point.curve, point.branch, problem.unit()}; };
   const bool below = test.value(before) < 0.0;
-  for (int i = 0; i < halvings && test.too_far_apart({lo.curve, lo.branch}, {hi.curve, hi.branch}); ++i) {
-    std::optional<PointBetween> middle = point_between(problem, {lo.curve, lo.branch}, {hi.curve, hi.branch}, 0.5, options);
+  for (int i = 0; i < halvings && test.too_far_apart(input(lo), input(hi)); ++i) {
+    std::optional<PointBetween> middle = point_between(problem, input(lo), input(hi), 0.5, options);
     if (!middle) return std::nullopt;
-    PointBetween& end = (test.value({middle->curve, middle->branch}) < 0.0) == below ? lo : hi;
+    PointBetween& end = (test.value(input(*middle)) < 0.0) == below ? lo : hi;
     end = std::move(*middle);
   }
-  if (!test.confirm({lo.curve, lo.branch}, {hi.curve, hi.branch})) return std::nullopt;
-  std::optional<PointInStep> met =
-      locate_confirmed(problem, test, {lo.curve, lo.branch}, {hi.curve, hi.branch}, at_corner, branch, options);
+  if (!test.confirm(input(lo), input(hi))) return std::nullopt;
+  std::optional<PointInStep> met = locate_confirmed(problem, test, input(lo), input(hi), at_corner, branch, options);
   if (met) met->place = place_of(problem.zero_problem(), before.curve, met->u);
   return met;
 }
@@ -233,7 +233,7 @@ PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before
     const double value = here.value(located.u);
     const auto apart = [&](const GrazingGuess& other) {
       const LocatedGrazing found = locate_grazing(here, *u, other);
-      return !found.confirmed || std::abs(here.value(found.u) - value) > 1e-10 * (1.0 + std::abs(value));
+      return !found.confirmed || std::abs(here.value(found.u) - value) > 1e-10 * here.size_of_value(value);
     };
     if (change > 1 && std::any_of(guesses.begin() + 1, guesses.end(), apart)) continue;
     const Vector along = before.u + (value - problem.value(before.u)) / problem.value(after.u - before.u) * (after.u - before.u);

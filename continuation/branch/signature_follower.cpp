@@ -51,8 +51,12 @@ SignatureFollower::SignatureFollower(const FollowSettings& settings, SignaturePr
 
 Curve SignatureFollower::follow(const BranchStart& start) {
   if (start.on_grazing) beginning_ = start.u;
+  ZeroProblem zero = traced_problem(settings_, problem_);
+  // Events of a contact may coincide on a limit of the parameter (a damper that vanishes). States reach it from here.
+  constexpr double far_enough = 1e-2;
+  if (problem_.through_modes() && !start.on_grazing) zero.limits.back().shortest = far_enough;
   return trace(
-      problem_.zero_problem(), start.u, start.orientation, settings_.options.trace,
+      zero, start.u, start.orientation, settings_.options.trace,
       [&](const CurvePoint& before, CurvePoint& after) {
         if (record_.empty() && !start.on_grazing) record_.begin(problem_, before.u);
         return monitor(before, after);
@@ -68,31 +72,35 @@ Verdict SignatureFollower::monitor_beyond_grazing(const CurvePoint& before, Curv
   const double value = problem_.value(after.u);
   const bool outside = value < settings_.low || value > settings_.high;
   refused_ = problem_.violation(after.u);
-  if (!outside && !refused_) {
-    const double speed = problem_.least_speed(after.u);
-    if (speed > fastest_) {
-      fastest_ = speed;
-      fastest_point_ = after.u;
-    }
-    if (speed < least_kept_speed) return Verdict::go_on;
+  const bool is_motion = !outside && !refused_;
+  const bool at_end = is_motion && value != problem_.value(before.u) && (value == settings_.low || value == settings_.high);
+  const double speed = is_motion ? problem_.least_speed(after.u) : 0.0;
+  if (speed > fastest_) {
+    fastest_ = speed;
+    fastest_point_ = after.u;
+  }
+  if (is_motion && speed >= least_kept_speed) {
+    const Verdict next = at_end ? Verdict::stop : Verdict::go_on;
     const std::optional<CurvePoint> nearer = special_point_near_grazing(problem_, beginning_, after, settings_.options.trace);
     record_.begin(problem_, nearer ? nearer->u : after.u);
-    if (!nearer) return Verdict::go_on;
+    if (!nearer) return next;
     BranchPoint point = problem_.branch_point(after.u, after.arclength - nearer->arclength);
-    if (point.multipliers.valid && record_.take(problem_, *nearer, after, std::move(point), {})) return Verdict::go_on;
+    if (point.multipliers.valid && record_.take(problem_, *nearer, after, std::move(point), {})) return next;
     record_.clear();
     return Verdict::reject;
   }
-  if (fastest_ < least_resolved_speed) return outside ? Verdict::stop : Verdict::reject;
+  if (is_motion && !at_end) return Verdict::go_on;
+  const bool ends = outside || at_end;
+  if (fastest_ < least_resolved_speed) return ends ? Verdict::stop : Verdict::reject;
   record_.begin(problem_, fastest_point_);
   const double bound = std::clamp(value, settings_.low, settings_.high);
-  if (outside)
+  if (ends)
     record_.end_with(
         {BranchStop::reached_bound, bound,
          fmt::format("the end of the range, {} = {:.12g}, was reached with an impact slower than {} all along; the orbit with "
                      "the fastest is kept",
                      record_.branch().parameter, bound, least_kept_speed)});
-  if (outside || reaches_grazing(before, after)) return Verdict::stop;
+  if (ends || reaches_grazing(before, after)) return Verdict::stop;
   record_.clear();
   return Verdict::reject;
 }
@@ -160,8 +168,7 @@ bool SignatureFollower::reaches_grazing(const CurvePoint& before, CurvePoint& af
   if (!narrow_bracket(0.0)) return false;
   // Added to the width of the bracket: the effect of rounding in a speed or a gap.
   constexpr double next_to = 1e-7;
-  std::optional<GrazingAhead> ahead =
-      grazing_ahead(problem_, good, *beyond, problem_.parameter(), next_to + 4.0 * (hi - lo) * length);
+  std::optional<GrazingAhead> ahead = grazing_ahead(problem_, good, *beyond, next_to + 4.0 * (hi - lo) * length);
   if (!ahead) return false;
   // Special points before the grazing are located in this step; the multipliers at the grazing itself are singular.
   const BranchRecord::Mark mark = record_.mark();

@@ -72,13 +72,13 @@ bool step_around_corner(const FollowSettings& settings, OrbitProblem& problem, B
     // The branch may have passed the grazing already, with the tip of the corner still ahead.
     const double value = problem.value(located.u);
     const SpecialPoint& met_last = branch.special_points.back();
-    const bool passed = met_last.type == PointType::GR && std::abs(met_last.value - value) < 1e-9 * (1.0 + std::abs(value));
+    const bool passed = met_last.type == PointType::GR && std::abs(met_last.value - value) < 1e-9 * problem.size_of_value(value);
     const bool to_contact = passed ? std::get<std::string>(met_last.details.at("kind")) == "gained" : !weakest;
     const int impacts = end.isolated_impacts + (passed ? 0 : to_contact ? 1 : -1);
     for (const double speed : {1e-3, 3e-3, 1e-2, 3e-4, 3e-2}) {
       // With contact: at that impact speed, as for a hard contact. Without: at that distance from the grazing.
       const double height = speed * speed / (2.0 * -located.curvature), side = located.top_dp > 0.0 ? -1.0 : 1.0;
-      const double change = to_contact ? (located.response * speed + height) / located.top_dp : side * speed;
+      const double change = to_contact ? (located.response * speed + height) / located.top_dp : side * speed * problem.unit();
       Vector away = change * located.family_dp;
       if (to_contact) away += speed * located.impulse;
       CurvePoint next;
@@ -123,7 +123,7 @@ Curve StatesFollower::follow(const BranchStart& given) {
       return autonomous ? problem_.carried_on(u, (section - current) * turn) : problem_.to_section(moved, u);
     };
     // Small against the square of the speed of a weak impact: the impact exists within that distance of the barrier.
-    const double small = 1e-8 / std::max(1e-300, direction.lpNorm<Eigen::Infinity>());
+    const double small = 1e-8 / std::max(1e-300, problem_.largest_change(direction));
     const auto here = move(start), before = move(start - small * direction);
     if (!here) return;
     direction = before ? Vector((*here - *before) / small) : Vector(moved.value(direction) * moved.parameter_direction());
@@ -142,7 +142,7 @@ Curve StatesFollower::follow(const BranchStart& given) {
   TraceOptions trace_options = settings_.options.trace;
   for (;;) {
     section_blocked_ = false;
-    const ZeroProblem zero = problem_.zero_problem();
+    const ZeroProblem zero = traced_problem(settings_, problem_);
     // A curve that continues the branch repeats the branch's last point as its first.
     const int kept = std::max(1, static_cast<int>(branch.points.size()));
     trace_options.max_points = std::max(1, settings_.options.trace.max_points - kept + 1);

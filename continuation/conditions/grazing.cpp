@@ -374,7 +374,7 @@ LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const 
     const OrbitLU<Matrix> lu(A);
     NewtonIterate iterate{.residual = right.lpNorm<Eigen::Infinity>() / scale, .step = lu.solve(right)};
     if (!iterate.step.allFinite()) return iterate;
-    iterate.length = iterate.step.lpNorm<Eigen::Infinity>() / scale;
+    iterate.length = std::max(problem.largest_change(iterate.step.head(unknowns)), std::abs(iterate.step[unknowns])) / scale;
     last_step = iterate.step[size];
     row = lu.solve_adjoint(Vector::Unit(unknowns + 1, size));
     iterate.may_be_last = !(resume_after > 0.0 && iterate.length < near_touch && comes_with_event(problem, guess.event, touch));

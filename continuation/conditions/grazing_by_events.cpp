@@ -22,9 +22,9 @@ bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
     A << jacobian, problem.speed_gradient(at, k).transpose();
     Vector right(at.size());
     right << -residual, -problem.speed(at, k);
-    const double scale = 1.0 + at.lpNorm<Eigen::Infinity>();
+    const double scale = 1.0 + problem.largest_change(at);
     NewtonIterate out{.residual = right.lpNorm<Eigen::Infinity>() / scale, .step = OrbitLU<Matrix>(A).solve(right)};
-    out.length = out.step.lpNorm<Eigen::Infinity>() / scale;
+    out.length = problem.largest_change(out.step) / scale;
     return out;
   };
   return newton_to_rounding(u, linearise, {.longest = 0.1}).converged();
@@ -150,7 +150,7 @@ std::optional<LocatedGrazing> grazing_beside(OrbitProblem& problem, const Vector
       return std::pair(found.orbit.impacts, !begins_contact(problem.system()->events[found.event].kind));
     };
     const bool same = nearest && std::abs(problem.value(located->u) - problem.value(nearest->u)) <
-                                     same_value * (1.0 + std::abs(problem.value(located->u)));
+                                     same_value * problem.size_of_value(problem.value(located->u));
     if (same ? rank(*located) >= rank(*nearest) : !(away < distance)) continue;
     distance = away;
     nearest = std::move(located);
@@ -179,12 +179,11 @@ std::optional<Touching> without_speed(SignatureProblem& problem, const Vector& u
 
 /// The solution near u with an added event of speed zero, for the free maximum that has met a guard (`met`). Empty if it is
 /// farther away than `reach`.
-std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, const EventRecord& met, std::size_t parameter,
-                                   double reach) {
+std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, const EventRecord& met, double reach) {
   const SignatureEquations& equations = problem.equations();
   EventNodes nodes = problem.unpack(u);
   const auto place = static_cast<Eigen::Index>(nodes.insert(met.event, met.t, met.x_minus));
-  Touching out{SignatureProblem(problem.system(), equations.parameters(), equations.period(), nodes.sequence, parameter, 1.0,
+  Touching out{SignatureProblem(problem.system(), equations.parameters(), equations.period(), nodes.sequence, problem.free(),
                                 problem.flow_options()),
                {},
                {},
@@ -203,7 +202,7 @@ std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, c
 bool agrees(const OrbitProblem& states, const LocatedGrazing& located, const Touching& touching) {
   constexpr double same = 1e-9;
   const double value = states.value(touching.at);
-  return std::abs(states.value(located.u) - value) < same * (1.0 + std::abs(value)) + 10.0 * located.precision;
+  return std::abs(states.value(located.u) - value) < same * states.size_of_value(value) + 10.0 * located.precision;
 }
 
 /// The grazing at `touching`, located by the extended system. Empty if the system does not confirm it.
@@ -234,7 +233,7 @@ std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector
 }  // namespace
 
 std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vector& u, const SignatureEquations::Violation& beyond,
-                                          std::size_t parameter, double reach) {
+                                          double reach) {
   const SignatureEquations& equations = problem.equations();
   const auto found = [&](std::optional<Touching> touching, bool lost) -> std::optional<GrazingAhead> {
     if (!touching) return std::nullopt;
@@ -258,7 +257,7 @@ std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vecto
   }
   if (beyond.lost || !beyond.met) return std::nullopt;
   const Event& contact = equations.system().events[beyond.met->event];
-  if (contact.to == contact.from) return found(with_touch(problem, u, *beyond.met, parameter, reach), false);
+  if (contact.to == contact.from) return found(with_touch(problem, u, *beyond.met, reach), false);
   // A contact that leads to another mode cannot be added as an event of this signature.
   Vector v;
   OrbitProblem& states = problem.stroboscopic(u, v);

@@ -33,6 +33,6 @@ struct GrazingAhead {
 /// out and counted (LocatedGrazing::touches). Free maxima that touch too are also left out. Then the extended system
 /// (locate_grazing) must give the same parameter value. Empty if no candidate passes.
 std::optional<GrazingAhead> grazing_ahead(SignatureProblem& problem, const Vector& u, const SignatureEquations::Violation& beyond,
-                                          std::size_t parameter, double reach);
+                                          double reach);
 
 }  // namespace graze

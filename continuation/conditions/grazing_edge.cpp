@@ -6,12 +6,12 @@
 
 namespace graze {
 
-bool same_edge(const GrazingEdge& a, const GrazingEdge& b) {
+bool same_edge(const GrazingEdge& a, const GrazingEdge& b, double unit) {
   if (a.states.empty()) return false;  // the touching orbit could not be carried around
   const auto near = [](const Vector& x, const Vector& y) {
     return (x - y).lpNorm<Eigen::Infinity>() < 1e-9 * (1.0 + x.lpNorm<Eigen::Infinity>());
   };
-  return a.period == b.period && a.impacts == b.impacts && std::abs(a.value - b.value) < 1e-9 * (1.0 + std::abs(a.value)) &&
+  return a.period == b.period && a.impacts == b.impacts && std::abs(a.value - b.value) < 1e-9 * (unit + std::abs(a.value)) &&
          std::any_of(b.states.begin(), b.states.end(), [&](const Vector& x) { return near(x, a.states.front()); });
 }
 

@@ -30,8 +30,9 @@ struct TurnPattern {
   int turns = 1, struck = 1;
 };
 
-/// Whether period and impacts are equal, and the values and a state agree to 1e-9 (1 + |x|). False if a has no states.
-bool same_edge(const GrazingEdge& a, const GrazingEdge& b);
+/// Whether period and impacts are equal, and the values and a state agree to 1e-9 (1 + |x|), with the unit of the parameter in
+/// place of 1 for the values. False if a has no states.
+bool same_edge(const GrazingEdge& a, const GrazingEdge& b, double unit);
 
 /// The edge of a family with this number of impacts at the special point. `orbit` gives the period and the states.
 GrazingEdge edge_at(const SpecialPoint& point, const PeriodicOrbit& orbit, int impacts);

@@ -34,6 +34,8 @@ SignatureStart start_with(OrbitProblem& problem, const PeriodicOrbit& orbit, con
   out.problem.pin_as(problem, start.u);
   start.orientation = Vector::Zero(start.u.size());
   for (const std::size_t place : out.added) start.orientation += out.problem.speed_gradient(start.u, static_cast<int>(place));
+  // The vector whose product with a tangent, in the norm of the arclength, is the change of the speed along it.
+  start.orientation = start.orientation.cwiseQuotient(out.problem.zero_problem().weights).eval();
   start.sequence = nodes.sequence;
   start.step = first_step;
   start.on_grazing = true;
@@ -85,7 +87,8 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   }
   if (lost) {
     for (double distance = 1e-7; distance < 1e-3; distance *= 10.0) {
-      BranchStart start{grazing.u + side * distance * grazing.family_dp, side * grazing.family_dp, {}, {}, false, first_step};
+      BranchStart start{
+          grazing.u + side * distance * problem.unit() * grazing.family_dp, side * grazing.family_dp, {}, {}, false, first_step};
       if (correct(zero, problem.parameter_direction(), start.u, options).converged()) return start;
     }
     return std::nullopt;
@@ -112,7 +115,7 @@ std::optional<BranchStart> partner_start(OrbitProblem& problem, const LocatedGra
   // those in which friction holds it: the branch has at most a corner, and Newton's method finds the orbits on either side of it.
   for (double distance = 1e-7; distance < 1e-3; distance *= 10.0)
     for (const double way : {-side, side})
-      if (auto start = with_impact(grazing.u + way * distance * grazing.family_dp)) return start;
+      if (auto start = with_impact(grazing.u + way * distance * problem.unit() * grazing.family_dp)) return start;
   return std::nullopt;
 }
 

@@ -93,7 +93,7 @@ std::optional<double> locate_hopf(OrbitProblem& problem, const Vector& u) {
     const double real = eigenvalue.real(), change = -real * (value - before) / (real - real_before);
     if (real != 0.0 && !std::isfinite(change)) return std::nullopt;
     if (std::abs(value - begin) > farthest * problem.scale()) return std::nullopt;
-    if (real == 0.0 || std::abs(change) <= precision * (1.0 + std::abs(value))) {
+    if (real == 0.0 || std::abs(change) <= precision * problem.size_of_value(value)) {
       if (std::abs(eigenvalue.imag() - omega) > other_frequency * omega) return std::nullopt;
       return value;
     }

@@ -106,7 +106,7 @@ LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, cons
     NewtonIterate at;
     at.residual = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(bordered.g) / K_scale);
     at.step = lu.solve(right);
-    at.length = at.step.head(unknowns).lpNorm<Eigen::Infinity>() / scale;
+    at.length = problem.largest_change(at.step.head(unknowns)) / scale;
     sensitivity = lu.solve_adjoint(Vector::Unit(size, equations));
     last_step = at.step[equations];
     return at;

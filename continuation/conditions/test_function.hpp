@@ -27,9 +27,10 @@ class BranchProblem;
 struct TestPoint {
   const CurvePoint& curve;
   const BranchPoint& branch;
+  double unit = 1.0;  ///< of the parameter (parameter_unit)
 
-  /// Rate of the parameter along the curve, by its arclength: a branch has one free parameter, the last unknown.
-  double parameter_rate() const { return curve.tangent[curve.tangent.size() - 1]; }
+  /// Rate of the parameter along the curve, in its unit by the arclength: a branch has one free parameter, the last unknown.
+  double parameter_rate() const { return curve.tangent[curve.tangent.size() - 1] / unit; }
 };
 
 struct TestFunction {

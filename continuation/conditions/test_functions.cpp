@@ -27,7 +27,7 @@ bool stands_still(const TestPoint& before, const TestPoint& after) {
   const auto still = [](const TestPoint& point) { return std::abs(point.parameter_rate()) < tangent; };
   const double change = std::abs(after.branch.value - before.branch.value);
   return still(before) && still(after) && std::abs(after.curve.arclength - before.curve.arclength) > least_step &&
-         change <= rounding * (1.0 + std::abs(before.branch.value));
+         change <= rounding * (before.unit + std::abs(before.branch.value));
 }
 
 std::vector<std::complex<double>> nontrivial(const FloquetMultipliers& multipliers) {

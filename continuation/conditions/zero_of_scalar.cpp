@@ -29,11 +29,11 @@ LocatedPoint locate_zero(BranchProblem& problem, const Vector& start, const Scal
     const double g_here = g(problem, u);
     g_scale = 1.0;
     for (Eigen::Index i = 0; i < unknowns; ++i) {
-      const double h = difference_step * (1.0 + std::abs(u[i]));
+      const double h = difference_step * problem.size_of_unknown(u, i);
       const double g_ahead = g(problem, u + h * Vector::Unit(unknowns, i)),
                    g_behind = g(problem, u - h * Vector::Unit(unknowns, i));
       A(equations, i) = (g_ahead - g_behind) / (2.0 * h);
-      g_scale = std::max(g_scale, std::abs(A(equations, i)) * scale);
+      g_scale = std::max(g_scale, std::abs(A(equations, i)) * (i < equations ? scale : problem.unit() * scale));
     }
     Vector residual;
     Matrix jacobian;
@@ -44,7 +44,7 @@ LocatedPoint locate_zero(BranchProblem& problem, const Vector& start, const Scal
     NewtonIterate at;
     at.residual = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(g_here) / g_scale);
     at.step = lu.solve(-F);
-    at.length = at.step.lpNorm<Eigen::Infinity>() / scale;
+    at.length = problem.largest_change(at.step) / scale;
     row = lu.solve_adjoint(Vector::Unit(unknowns, equations));
     last_step = at.step[equations];
     return at;

@@ -185,7 +185,8 @@ class Graph {
       if (!is_stable(branch)) continue;
       kept[k] = 1;
       if (branch.stop != BranchStop::grazing || !branch.points.back().stable || !ends_[k]) continue;
-      if (const KnownEdge* edge = partner_edge_among(edges_, k, branch.special_points.back(), *ends_[k])) kept[edge->branch] = 1;
+      if (const KnownEdge* edge = partner_edge_among(edges_, k, branch.special_points.back(), *ends_[k], unit()))
+        kept[edge->branch] = 1;
     }
     // Parents precede their children in the list.
     for (std::size_t k = branches.size(); k-- > 0;)
@@ -263,7 +264,8 @@ class Graph {
     const SpecialPoint& point = branch.special_points.back();
     const Branch* beyond = child_at(branch);
     bool begins = true;
-    if (const KnownEdge* edge = !beyond && ends_[index] ? partner_edge_among(edges_, index, point, *ends_[index]) : nullptr) {
+    if (const KnownEdge* edge =
+            !beyond && ends_[index] ? partner_edge_among(edges_, index, point, *ends_[index], unit()) : nullptr) {
       beyond = &graph_.branches[edge->branch];
       begins = edge->begins;
     }
@@ -343,6 +345,7 @@ class Graph {
     return orbit_problem(system_, orbit, options_, low_, high_, copies);
   }
 
+  double unit() const { return parameter_unit(low_, high_); }
   double value_of(const PeriodicOrbit& orbit) const { return orbit.parameters[static_cast<Eigen::Index>(parameter_)]; }
 
   /// The branch on which an orbit lies. Branches from the seed `except` are ignored.
@@ -367,7 +370,7 @@ class Graph {
   }
 
   bool is_known(const GrazingEdge& edge) const {
-    return std::any_of(edges_.begin(), edges_.end(), [&](const KnownEdge& known) { return same_edge(known.edge, edge); });
+    return std::any_of(edges_.begin(), edges_.end(), [&](const KnownEdge& known) { return same_edge(known.edge, edge, unit()); });
   }
 
   Branch new_branch(const Task& task, const PeriodicOrbit& orbit, int period, int provisional_id) const {
@@ -608,7 +611,8 @@ class Graph {
     const GrazingEdge touching =
         touching_edge(graph_.branches[beyond.parent].special_points[beyond.special], end.grazing, end.lost, &orbit);
     // Several branches may end at this grazing.
-    if (std::any_of(spread_.begin(), spread_.end(), [&](const GrazingEdge& done) { return same_edge(done, touching); })) return;
+    if (std::any_of(spread_.begin(), spread_.end(), [&](const GrazingEdge& done) { return same_edge(done, touching, unit()); }))
+      return;
     spread_.push_back(touching);
     const int most = options_.max_multiple;
     const int longest = options_.max_period > 0 ? std::min(most, options_.max_period / touching.period) : most;

@@ -60,9 +60,9 @@ void find_retraces(const HybridSystem& system, const Branch& branch, const auto&
     const std::size_t k = size * sample / samples;
     if (k < apart + 2) continue;
     // Next to a fold its two sides cannot be distinguished.
-    const double value = branch.points[k].value;
+    const double value = branch.points[k].value, unit = parameter_unit(branch.points.front().value, branch.points.back().value);
     const auto turns = [&](const SpecialPoint& special) {
-      return special.type == PointType::LP && std::abs(special.value - value) < 1e-6 * (1.0 + std::abs(value));
+      return special.type == PointType::LP && std::abs(special.value - value) < 1e-6 * (unit + std::abs(value));
     };
     if (std::any_of(branch.special_points.begin(), branch.special_points.end(), turns)) continue;
     Branch earlier;

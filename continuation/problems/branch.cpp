@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/problems/branch.hpp>
+#include <graze/continuation/problems/branch_problem.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +40,8 @@ std::vector<std::vector<std::size_t>> curves_of(const std::vector<Branch>& branc
   // Both branches corrected the same start orbit; the results may differ by rounding.
   const auto same_start = [](const Branch& a, const Branch& b) {
     const BranchPoint &start = a.points.front(), &other = b.points.front();
-    return a.period == b.period && std::abs(start.value - other.value) < 1e-12 * (1.0 + std::abs(start.value)) &&
+    const double size = parameter_unit(a.points.back().value, start.value) + std::abs(start.value);
+    return a.period == b.period && std::abs(start.value - other.value) < 1e-12 * size &&
            (start.state() - other.state()).lpNorm<Eigen::Infinity>() < 1e-10 * (1.0 + start.state().lpNorm<Eigen::Infinity>());
   };
   std::vector<std::vector<std::size_t>> curves;

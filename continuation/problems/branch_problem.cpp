@@ -10,6 +10,13 @@
 
 namespace graze {
 
+double parameter_unit(double low, double high) {
+  constexpr double smallest = 0.1, largest = 10.0;  // of order one
+  const double size = std::max(std::abs(low), std::abs(high));
+  if (!(size > 0.0) || !std::isfinite(size)) return 1.0;
+  return size < smallest ? size / smallest : size > largest ? size / largest : 1.0;
+}
+
 BranchProblem::BranchProblem(SharedSystem system, Vector p, std::vector<FreeParameter> free)
     : system_(std::move(system)), p_(std::move(p)), free_(std::move(free)) {
   if (free_.empty()) throw std::invalid_argument("no free parameter was given; give at least one");
@@ -20,6 +27,7 @@ BranchProblem::BranchProblem(SharedSystem system, Vector p, std::vector<FreePara
     if (std::any_of(free_.begin(), one, [&](const FreeParameter& other) { return other.index == one->index; }))
       throw std::invalid_argument(
           fmt::format("free parameter {} was given twice; give it once", system_->parameters[one->index].name));
+    if (one->unit == 0.0) one->unit = parameter_unit(one->scale, p_[static_cast<Eigen::Index>(one->index)]);
   }
 }
 
@@ -41,6 +49,18 @@ void BranchProblem::weigh_values(Vector& weights) const {
   for (const FreeParameter& one : free_) weights[i++] = 1.0 / (one.scale * one.scale);
 }
 
+double BranchProblem::size_of_unknown(const Vector& u, Eigen::Index i) const {
+  const Eigen::Index place = i - orbit_unknowns();
+  return (place < 0 ? 1.0 : free_[static_cast<std::size_t>(place)].unit) + std::abs(u[i]);
+}
+
+double BranchProblem::largest_change(const Vector& change) const {
+  double largest = orbit_part(change).lpNorm<Eigen::Infinity>();
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    largest = std::max(largest, std::abs(values(change)[static_cast<Eigen::Index>(k)]) / free_[k].unit);
+  return largest;
+}
+
 Vector BranchProblem::parameters_at(const Vector& u) const {
   constexpr double slack = 1e-13;
   Vector p = p_;
@@ -49,8 +69,9 @@ Vector BranchProblem::parameters_at(const Vector& u) const {
     const ParameterInfo& info = system_->parameters[one.index];
     double& value = p[static_cast<Eigen::Index>(one.index)];
     value = u[i++];
-    if (value < info.lower && value > info.lower - slack * (1.0 + std::abs(info.lower)) && !info.lower_open) value = info.lower;
-    if (value > info.upper && value < info.upper + slack * (1.0 + std::abs(info.upper))) value = info.upper;
+    if (value < info.lower && value > info.lower - slack * (one.unit + std::abs(info.lower)) && !info.lower_open)
+      value = info.lower;
+    if (value > info.upper && value < info.upper + slack * (one.unit + std::abs(info.upper))) value = info.upper;
   }
   return p;
 }
@@ -72,6 +93,11 @@ std::vector<PinnedState> BranchProblem::kept_states(const Vector& u, const Matri
       }
       sum += row;
       size += row.cwiseAbs();
+    }
+    for (Eigen::Index k = 0; k < std::ssize(free_); ++k) {
+      const double unit = free_[static_cast<std::size_t>(k)].unit;
+      sum[orbit_unknowns() + k] *= unit;
+      size[orbit_unknowns() + k] *= unit;
     }
     constexpr double rounding_of_sum = 1e-10;
     return (sum.array().abs() <= rounding_of_sum * (1.0 + size.array())).all();

@@ -38,10 +38,16 @@ struct PinnedState {
   double value = 0.0;
 };
 
+/// Unit of a parameter with values from `low` to `high`: it takes the place of 1 in 1 + |x|. It is 1 if the largest |value| is of
+/// order one, from 0.1 to 10. Below it is ten times that value, above a tenth of it: then results do not depend on the unit in
+/// which the parameter is given.
+double parameter_unit(double low, double high);
+
 /// A parameter whose value is an unknown.
 struct FreeParameter {
   std::size_t index = 0;  ///< in HybridSystem::parameters
   double scale = 1.0;     ///< unit of its changes in the arclength (usually the range that is followed); in its own unit
+  double unit = 0.0;      ///< see parameter_unit; 0: that of its scale and of its value at the start
 };
 
 class BranchProblem {
@@ -54,6 +60,9 @@ class BranchProblem {
   /// The first free parameter, in which a branch is followed: its index, and its unit in the arclength.
   std::size_t parameter() const { return free_.front().index; }
   double scale() const { return free_.front().scale; }
+  double unit() const { return free_.front().unit; }
+  /// Size of a value of the first free parameter. Tolerances of its values are relative to it.
+  double size_of_value(double value) const { return unit() + std::abs(value); }
 
   /// Number of unknowns, the values of the free parameters included.
   virtual Eigen::Index unknowns() const = 0;
@@ -102,6 +111,11 @@ class BranchProblem {
   /// cannot have half the period (odd number of periods, nodes or events, or halves with different
   /// events).
   virtual Vector half_difference(const Vector& u) const = 0;
+
+  /// Size of the unknown u_i: 1 + |u_i|, with the unit of a free parameter instead of 1. Steps of differences are relative to it.
+  double size_of_unknown(const Vector& u, Eigen::Index i) const;
+  /// The largest entry of a change of the unknowns, with the free parameters measured in their units.
+  double largest_change(const Vector& change) const;
 
   /// Scales the arclength and the tolerances, which are set for states of order one. If the states of the orbit at u are much
   /// larger, their unit becomes a fiftieth of their size. Call this before following the branch through u.

@@ -283,15 +283,14 @@ Eigen::VectorXcd OrbitProblem::cyclic_derivative(const Vector& u, std::complex<d
           });
   }
   for (Eigen::Index i = n * N; i < unknowns(); ++i)
-    derivative[i] =
-        difference(difference_step * (1.0 + std::abs(u[i])), [&](double shift) -> std::optional<std::complex<double>> {
-          Vector shifted = u;
-          shifted[i] += shift;
-          if (!evaluate(shifted, tangent)) return std::nullopt;
-          std::complex<double> sum = 0.0;
-          for (int j = 0; j < N; ++j) sum += form(j, equations_.stretch(j).Phi);
-          return sum;
-        });
+    derivative[i] = difference(difference_step * size_of_unknown(u, i), [&](double shift) -> std::optional<std::complex<double>> {
+      Vector shifted = u;
+      shifted[i] += shift;
+      if (!evaluate(shifted, tangent)) return std::nullopt;
+      std::complex<double> sum = 0.0;
+      for (int j = 0; j < N; ++j) sum += form(j, equations_.stretch(j).Phi);
+      return sum;
+    });
   evaluate(u, tangent);
   return derivative;
 }

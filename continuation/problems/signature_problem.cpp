@@ -116,6 +116,12 @@ double SignatureProblem::least_speed(const Vector& u) {
   return least;
 }
 
+bool SignatureProblem::through_modes() const {
+  const std::vector<std::size_t>& sequence = equations_.sequence();
+  const std::vector<Event>& events = equations_.system().events;
+  return std::any_of(sequence.begin(), sequence.end(), [&](std::size_t k) { return events[k].to != events[k].from; });
+}
+
 double SignatureProblem::speed(const Vector& u, int event) {
   set_value(u);
   return equations_.speed(u, event);
@@ -219,13 +225,12 @@ Eigen::VectorXcd SignatureProblem::cyclic_derivative(const Vector& u, std::compl
     const int k = static_cast<int>(i) / size, before = (k + m - 1) % m;
     std::vector<int> affected = is_parameter ? all : std::vector<int>{k};
     if (!is_parameter && i % size == 0 && before != k) affected.push_back(before);
-    derivative[i] =
-        difference(difference_step * (1.0 + std::abs(u[i])), [&](double shift) -> std::optional<std::complex<double>> {
-          Vector shifted = u;
-          shifted[i] += shift;
-          if (is_parameter && !set_value(shifted)) return std::nullopt;
-          return form_of_all(shifted, affected);
-        });
+    derivative[i] = difference(difference_step * size_of_unknown(u, i), [&](double shift) -> std::optional<std::complex<double>> {
+      Vector shifted = u;
+      shifted[i] += shift;
+      if (is_parameter && !set_value(shifted)) return std::nullopt;
+      return form_of_all(shifted, affected);
+    });
   }
   set_value(u);
   return derivative;

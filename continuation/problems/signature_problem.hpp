@@ -69,6 +69,8 @@ class SignatureProblem : public BranchProblem {
   /// See SignatureEquations. The parameters are set to their values in u first; if the model refuses them, u counts as a
   /// violation.
   std::optional<SignatureEquations::Violation> violation(const Vector& u);
+  /// Whether an event leads to another mode: a contact of several events, which may coincide.
+  bool through_modes() const;
   /// Smallest scaled speed of the events; infinity if the model refuses the parameters.
   double least_speed(const Vector& u);
   /// dh/dt just before the event with this number, and its gradient in u.

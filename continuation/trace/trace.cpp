@@ -53,6 +53,28 @@ bool returns_to(const CurvePoint& first, const ZeroProblem& problem, const Vecto
   return true;
 }
 
+/// A step along the tangent: its end, its length, and the direction in which the corrector keeps its place.
+struct Prediction {
+  Vector u, direction;
+  double length, shortest;  ///< below `shortest` the step is not halved
+};
+
+/// The end of a step of this length, or the place on the step at which an unknown reaches the end of its range, if it would pass
+/// a limit.
+Prediction predict(const ZeroProblem& problem, const CurvePoint& last, double step, double shortest) {
+  Prediction out{last.u + step * last.tangent, last.tangent, step, shortest};
+  for (const UnknownLimits& limits : problem.limits) {
+    const double from = last.u[limits.unknown], rate = last.tangent[limits.unknown], to = from + out.length * rate;
+    if (to >= limits.lower && to <= limits.upper) continue;
+    const double end = to < limits.lower ? limits.low : limits.high, length = (end - from) / rate;
+    if (!(length >= shortest && length <= out.length)) continue;
+    out = {last.u + length * last.tangent, Vector::Unit(last.u.size(), limits.unknown), length,
+           std::max(shortest, limits.shortest)};
+    out.u[limits.unknown] = end;
+  }
+  return out;
+}
+
 }  // namespace
 
 // A loop of its own: it ends at the tolerance, and saves the evaluations by which newton_to_rounding gets to rounding.
@@ -132,9 +154,11 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
   while (static_cast<int>(curve.points.size()) < options.max_points) {
     const CurvePoint& last = curve.points.back();
     CurvePoint next;
-    const Vector predicted = last.u + step * last.tangent;
+    const Prediction prediction = predict(problem, last, step, options.min_step);
+    const Vector& predicted = prediction.u;
+    step = prediction.length;
     next.u = predicted;
-    next.newton = correct(problem, last.tangent, next.u, options);
+    next.newton = correct(problem, prediction.direction, next.u, options);
     Verdict verdict = Verdict::reject;
     bool closes = false;
     if (next.newton.converged()) {
@@ -162,7 +186,8 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
       curve.failure = reason(problem, next.newton.status);
     }
     if (verdict == Verdict::reject) {
-      if (step <= options.min_step) {
+      const bool may_stop_early = !next.newton.converged() && curve.points.size() > 1;
+      if (step <= (may_stop_early ? prediction.shortest : options.min_step)) {
         curve.stop = TraceStop::min_step;
         curve.first_failed = predicted;
         return curve;

@@ -8,8 +8,18 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace graze {
+
+/// Limits of an unknown: H cannot be evaluated beyond `lower` and `upper`. A step that would pass one of them ends at `low` or
+/// `high`, which lie within the limits.
+struct UnknownLimits {
+  Eigen::Index unknown = 0;
+  double lower, upper, low, high;
+  /// A step to an end that cannot be evaluated is not halved below this length: the tracer stops.
+  double shortest = 0.0;
+};
 
 struct ZeroProblem {
   Eigen::Index unknowns = 0;
@@ -20,6 +30,8 @@ struct ZeroProblem {
   Vector weights;
   /// Tolerances of the residual are relative to this: the size of the quantities whose difference the residual is.
   double size = 1.0;
+  /// None: the steps are not limited.
+  std::vector<UnknownLimits> limits = {};
   /// Text: why the last evaluation failed; may be empty.
   std::function<std::string()> failure;
 };

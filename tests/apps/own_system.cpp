@@ -331,13 +331,14 @@ TEST_CASE("results of an autonomous system count returns (fixed)") {
                                                           {"poincare", wheel, "--section", "impact", "--points", "5"}};
   for (std::vector<std::string> command : commands) {
     const std::string picture = folder.file(command.front() + ".svg");
-    command.insert(command.end(), {"--quiet", "--plot", picture});
+    command.emplace_back("--quiet");
+    if (command.front() != "lyapunov") command.insert(command.end(), {"--plot", picture});
     const Outcome outcome = call(command);
     INFO(command.front() << "\n" << outcome.out << outcome.err);
     CHECK(outcome.code == 0);
     CHECK_THAT(outcome.out, Contains("return"));
-    CHECK_THAT(outcome.out, !Contains("forcing") && !Contains("turn,"));
-    CHECK_THAT(read_file(picture), !Contains("forcing"));
+    CHECK_THAT(outcome.out, !Contains("forcing") && !Contains(" turn"));
+    if (command.front() != "lyapunov") CHECK_THAT(read_file(picture), !Contains("forcing"));
   }
   CHECK_THAT(call({"orbit", wheel, "--quiet"}).out, Contains("1 impact in 1 return, stable"));
   CHECK(result("lyapunov", wheel, {"--periods", "200"})["time_average"]["stop"] == "the budget of returns is used up");

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace graze;
@@ -62,6 +63,26 @@ TEST_CASE("the tracer passes both folds of a cubic without losing its direction"
     folds += curve.points[k].tangent[1] * curve.points[k - 1].tangent[1] < 0.0;
   }
   CHECK(folds == 2);
+}
+
+TEST_CASE("a step of the tracer that would pass a limit ends on the limit, and passes a fold before it") {
+  // From the origin the cubic falls to its fold at y = -2/(3 sqrt 3), then it rises.
+  const double fold = -2.0 / (3.0 * std::sqrt(3.0));
+  for (const double limit : {-0.2, fold - 1e-4}) {
+    ZeroProblem problem = cubic();
+    problem.limits = {{1, limit, 1.0, limit, 1.0}};
+    problem.evaluate = [whole = problem.evaluate, limit](const Vector& u, Vector& residual, Matrix* jacobian) {
+      return u[1] >= limit && whole(u, residual, jacobian);
+    };
+    const auto monitor = [&](const CurvePoint&, CurvePoint& after) {
+      return after.u[1] == limit || after.u[0] > 1.2 ? Verdict::stop : Verdict::go_on;
+    };
+    const Curve curve = trace(problem, Vector{{0.0, 0.0}}, Vector{{1.0, -1.0}}, {}, monitor);
+    REQUIRE(curve.stop == TraceStop::monitor);
+    CHECK((curve.points.back().u[1] == limit) == (limit > fold));
+    const auto near = [&](const CurvePoint& point) { return point.u[1] < limit + 1e-3; };
+    if (limit > fold) CHECK(std::count_if(curve.points.begin(), curve.points.end(), near) <= 2);
+  }
 }
 
 TEST_CASE("the tracer reports the end of the equations and keeps the first failed point") {

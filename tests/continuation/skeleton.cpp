@@ -473,9 +473,9 @@ TEST_CASE("an orbit without states that is reduced to its least period has none 
   CHECK(orbit.states.empty());
   // Therefore it equals no other orbit.
   const GrazingEdge unknown{0.5, 1, 1, orbit.states}, known{0.5, 1, 1, {orbit.state}};
-  CHECK(!same_edge(unknown, known));
-  CHECK(!same_edge(known, unknown));
-  CHECK(same_edge(known, known));
+  CHECK(!same_edge(unknown, known, 1.0));
+  CHECK(!same_edge(known, unknown, 1.0));
+  CHECK(same_edge(known, known, 1.0));
 }
 
 TEST_CASE("of places where friction holds a mass for good, a skeleton seeks one") {
