@@ -47,9 +47,9 @@ constexpr int quick_halvings = 6;
 constexpr std::size_t most_tries = 3;
 
 /// A motion near an orbit with these states, carried until it is known whether it approaches the orbit.
-template <class State> class NearOrbit {
+class NearOrbit {
  public:
-  NearOrbit(const std::vector<State>& orbit, const Vector& x, double slowest)
+  NearOrbit(const std::vector<Vector>& orbit, const Vector& x, double slowest)
       : orbit_(orbit), at_(x), watch_(nearest_distance(orbit, x), slowest, static_cast<int>(orbit.size())) {}
   bool open() const { return watch_.open(); }
   const Vector& state() const { return at_; }
@@ -61,15 +61,15 @@ template <class State> class NearOrbit {
   bool comes_closer() const { return watch_.comes_closer(); }
 
  private:
-  const std::vector<State>& orbit_;
+  const std::vector<Vector>& orbit_;
   Vector at_;
   DistanceWatch watch_;
   int periods_ = 0;
 };
 
 /// A motion of a conservative system approaches no orbit: it is on the orbit, up to rounding, or it is not.
-bool is_on(const PeriodicOrbit& orbit, const Vector& x) {
-  return nearest_distance(orbit.states, x) < DistanceWatch::rounding_distance * (1.0 + state_size(x));
+bool is_on(const std::vector<Vector>& orbit, const Vector& x) {
+  return nearest_distance(orbit, x) < DistanceWatch::rounding_distance * (1.0 + state_size(x));
 }
 
 /// The largest modulus of the eigenvalues of A; NaN if A is not finite.
@@ -145,37 +145,98 @@ std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector&
 
 namespace {
 
+/// The problem in which an orbit is sought, at the parameters p of a slot.
+struct Search {
+  const HybridSystem& system;
+  const Vector& p;
+};
+
+/// While it exists, a Propagator carries the slot's motions.
+class OneByOne {
+ public:
+  OneByOne(TaskSlot& slot, const Vector& p) : slot_(slot), set_(slot.parameters()), from_lanes_(slot.in_lanes()) {
+    if (from_lanes_) slot.set_parameters(p, true);
+  }
+  OneByOne(const OneByOne&) = delete;
+  OneByOne& operator=(const OneByOne&) = delete;
+  ~OneByOne() {
+    if (from_lanes_) slot_.set_parameters(set_);
+  }
+
+ private:
+  TaskSlot& slot_;
+  std::size_t set_;
+  bool from_lanes_;
+};
+
+/// Result of Newton's method from a guess: in lanes, or by shoot().
+struct Shot {
+  bool converged = false;
+  bool given_up = false;  ///< at once, because the tangent along the guess grows too much
+  bool delicate = false;  ///< the lanes leave it to the Propagator
+  bool holds = false;     ///< it is stable or neutral, and a motion
+  std::complex<double> multiplier = std::numeric_limits<double>::quiet_NaN();  ///< the first; NaN: unknown
+  StableOrbit orbit = {};                                                      ///< if it converged
+};
+
+Shot shot_of(const Search& search, const LaneOrbit& found) {
+  Shot shot;
+  shot.converged = found.converged;
+  shot.given_up = found.given_up;
+  if (!shot.converged) return shot;
+  shot.delicate = found.delicate;
+  shot.holds = found.stable();
+  shot.multiplier = found.multipliers[0];
+  StableOrbit& orbit = shot.orbit;
+  orbit.period = static_cast<int>(found.states.size());
+  orbit.duration = orbit.period * forcing_period(search.system, search.p);
+  std::transform(found.states.begin(), found.states.end(), std::back_inserter(orbit.states), vector_of);
+  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
+  orbit.multipliers = multipliers_of_values({found.multipliers.begin(), found.multipliers.end()}, orbit.duration);
+  return shot;
+}
+Shot shot_of(PeriodicOrbit found) {
+  Shot shot;
+  shot.converged = found.converged();
+  if (!shot.converged) return shot;
+  shot.holds = (found.stable() || found.neutral()) && found.admissible == Admissibility::admissible;
+  if (found.multipliers.valid) shot.multiplier = found.multipliers.values.front();
+  shot.orbit = StableOrbit(std::move(found));
+  return shot;
+}
+
+/// Newton's method from a guess, as the slot carries its motions. It is not tried if the tangent along the guess grows by more
+/// than most_growth.
+MotionTask<Shot> shoot_from(TaskSlot& slot, const Search& search, const std::vector<Vector>& guess, double most_growth) {
+  if (slot.in_lanes()) {
+    LaneGuess from = guess_of(slot.parameters(), guess);
+    const LanePatience patience{most_growth, quick_halvings};
+    const LaneOrbit found = co_await shoot_in_lanes(slot, std::move(from.states), patience);
+    co_return shot_of(search, found);
+  }
+  Shot shot;
+  shot.given_up = std::isfinite(most_growth) && growth_along(slot.propagator(), guess) > most_growth;
+  if (shot.given_up) co_return shot;
+  ShootingOptions shooting;
+  shooting.flow = slot.propagator().options();
+  shooting.max_halvings = quick_halvings;
+  if (is_forced(search.system)) {
+    shot = shot_of(shoot(search.system, search.p, guess, static_cast<int>(guess.size()), shooting));
+  } else {
+    shot = shot_of(at_returns(search.system, shoot_returns(slot.propagator(), guess, shooting), guess.front()));
+  }
+  co_return shot;
+}
+
 /// Whether the orbit to which Newton's method converged may be the one on which the motion at `state` is settling. `delicate`:
 /// the lanes leave it to the Propagator.
 enum class Verdict { no, delicate, yes };
 
-template <class Orbit> bool is_near(const Orbit& orbit, const Vector& state) {
-  return nearest_distance(orbit.states, state) < 2.0 * worth_trying * (1.0 + state_size(state));
-}
-Verdict verdict(const LaneOrbit& orbit, const Vector& state) {
-  if (!orbit.converged || !is_near(orbit, state)) return Verdict::no;
-  if (orbit.delicate) return Verdict::delicate;
-  return orbit.stable() ? Verdict::yes : Verdict::no;
-}
-Verdict verdict(const PeriodicOrbit& orbit, const Vector& state) {
-  const bool holds = orbit.converged() && (orbit.stable() || orbit.neutral()) && orbit.admissible == Admissibility::admissible;
-  return holds && is_near(orbit, state) ? Verdict::yes : Verdict::no;
-}
-
-std::vector<Vector> vectors_of(const std::vector<StatePair>& pairs) {
-  std::vector<Vector> states;
-  std::transform(pairs.begin(), pairs.end(), std::back_inserter(states), vector_of);
-  return states;
-}
-
-StableOrbit stable_orbit(const HybridSystem& system, const Vector& p, const LaneOrbit& found) {
-  StableOrbit orbit;
-  orbit.period = static_cast<int>(found.states.size());
-  orbit.duration = orbit.period * forcing_period(system, p);
-  orbit.states = vectors_of(found.states);
-  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
-  orbit.multipliers = multipliers_of_values({found.multipliers.begin(), found.multipliers.end()}, orbit.duration);
-  return orbit;
+Verdict verdict(const Shot& shot, const Vector& state) {
+  if (!shot.converged || !(nearest_distance(shot.orbit.states, state) < 2.0 * worth_trying * (1.0 + state_size(state))))
+    return Verdict::no;
+  if (shot.delicate) return Verdict::delicate;
+  return shot.holds ? Verdict::yes : Verdict::no;
 }
 
 /// The states of a motion after 0, 1, ... `periods` periods; fewer if it ends.
@@ -190,184 +251,84 @@ MotionTask<std::vector<Vector>> next_states(TaskSlot& lane, const Vector& state,
   co_return states;
 }
 
-const auto never = [] { return false; };
-
-/// Newton's method and motions by a Propagator, for recognition. Its tasks never wait.
-class ByPropagator {
- public:
-  using Orbit = PeriodicOrbit;
-
-  explicit ByPropagator(Propagator& propagator) : propagator_(propagator) {
-    shooting_.flow = propagator.options();
-    shooting_.max_halvings = quick_halvings;
-  }
-  const HybridSystem& system() const { return propagator_.system(); }
-  const Vector& parameters() const { return propagator_.parameters(); }
-
-  /// Result of Newton's method from a guess. It is not tried if the tangent along the guess grows by more than most_growth.
-  struct Attempt {
-    Orbit orbit;
-    bool given_up = false;
-    bool converged() const { return orbit.converged(); }
-    std::vector<Vector> states() const { return orbit.states; }
-    /// Of the first multiplier; NaN if it is unknown.
-    std::complex<double> multiplier() const {
-      return orbit.multipliers.valid ? orbit.multipliers.values.front() : std::numeric_limits<double>::quiet_NaN();
-    }
-  };
-  MotionTask<Attempt> shoot_from(const std::vector<Vector>& guess, double most_growth) {
-    Attempt attempt;
-    attempt.given_up = std::isfinite(most_growth) && growth_along(propagator_, guess) > most_growth;
-    if (attempt.given_up) co_return attempt;
-    if (is_forced(system()))
-      attempt.orbit = shoot(system(), parameters(), guess, static_cast<int>(guess.size()), shooting_);
-    else
-      attempt.orbit = at_returns(system(), shoot_returns(propagator_, guess, shooting_), guess.front());
-    co_return attempt;
-  }
-  MotionTask<std::vector<Vector>> motion(const Vector& state, int periods) {
-    co_return stroboscopic_states(propagator_, state, static_cast<std::size_t>(periods) + 1);
-  }
-  template <class Watch> MotionTask<bool> carry(Watch& watch) { co_return carry_watched(propagator_, watch, never); }
-
- private:
-  Propagator& propagator_;
-  ShootingOptions shooting_;
-};
-
-/// The same in lanes, at the parameters p of the slot.
-class InLanes {
- public:
-  using Orbit = LaneOrbit;
-
-  InLanes(TaskSlot& lane, const HybridSystem& system, const Vector& p) : lane_(lane), system_(system), p_(p) {}
-  const HybridSystem& system() const { return system_; }
-  const Vector& parameters() const { return p_; }
-
-  struct Attempt {
-    Orbit orbit;
-    bool given_up = false;
-    bool converged() const { return orbit.converged; }
-    std::vector<Vector> states() const { return vectors_of(orbit.states); }
-    std::complex<double> multiplier() const { return orbit.multipliers[0]; }
-  };
-  MotionTask<Attempt> shoot_from(const std::vector<Vector>& guess, double most_growth) {
-    LaneGuess from = guess_of(lane_.parameters(), guess);
-    const LanePatience patience{most_growth, quick_halvings};
-    Attempt attempt;
-    attempt.orbit = co_await shoot_in_lanes(lane_, std::move(from.states), patience);
-    attempt.given_up = attempt.orbit.given_up;
-    co_return attempt;
-  }
-  MotionTask<std::vector<Vector>> motion(const Vector& state, int periods) { return next_states(lane_, state, periods); }
-  template <class Watch> MotionTask<bool> carry(Watch& watch) { return carry_watched(lane_, watch, never); }
-
- private:
-  TaskSlot& lane_;
-  const HybridSystem& system_;
-  const Vector& p_;
-};
-
 /// The orbit to which Newton's method converges from the states around a return, or from a guess next to a period doubling.
-template <class Carrier>
-MotionTask<typename Carrier::Orbit> shoot_next_to_doubling(Carrier& carrier, const std::vector<Vector>& around,
-                                                           double most_growth) {
+MotionTask<Shot> shoot_next_to_doubling(TaskSlot& slot, const Search& search, const std::vector<Vector>& around,
+                                        double most_growth) {
   const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
     return std::all_of(guess.begin(), guess.end(),
-                       [&](const Vector& x) { return mode_at(carrier.system(), 0.0, x, carrier.parameters()).has_value(); });
+                       [&](const Vector& x) { return mode_at(search.system, 0.0, x, search.p).has_value(); });
   };
-  typename Carrier::Attempt attempt = co_await carrier.shoot_from(around, most_growth);
-  if (!attempt.converged() && !attempt.given_up)
+  Shot shot = co_await shoot_from(slot, search, around, most_growth);
+  if (!shot.converged && !shot.given_up)
     if (const std::vector<Vector> half = between_halves(around, near_halves); !half.empty() && in_front_of_barriers(half))
-      attempt = co_await carrier.shoot_from(half, growth_at_doubling);
-  if (!attempt.converged()) co_return std::move(attempt.orbit);
-  const std::complex<double> mu = attempt.multiplier();
-  if (has_doubled(attempt.orbit.states.size(), mu, around.size())) {
-    const std::vector<Vector> single = attempt.states();
+      shot = co_await shoot_from(slot, search, half, growth_at_doubling);
+  if (!shot.converged) co_return shot;
+  const std::vector<Vector> single = shot.orbit.states;
+  if (has_doubled(single.size(), shot.multiplier, around.size())) {
     const std::size_t three_times = 3 * single.size();
-    const std::vector<Vector> motion = co_await carrier.motion(around.front(), static_cast<int>(three_times));
-    if (motion.size() <= three_times) co_return std::move(attempt.orbit);
-    const std::vector<Vector> doubled = doubled_states(single, mu.real(), motion);
-    if (!doubled.empty() && in_front_of_barriers(doubled)) attempt = co_await carrier.shoot_from(doubled, most_growth);
+    const std::vector<Vector> motion = co_await next_states(slot, around.front(), static_cast<int>(three_times));
+    if (motion.size() <= three_times) co_return shot;
+    const std::vector<Vector> doubled = doubled_states(single, shot.multiplier.real(), motion);
+    if (!doubled.empty() && in_front_of_barriers(doubled)) shot = co_await shoot_from(slot, search, doubled, most_growth);
   }
-  co_return std::move(attempt.orbit);
+  co_return shot;
 }
 
-/// Whether the motion at `state` is settling on a stable orbit with these states, whose slowest multiplier has this modulus.
-template <class Carrier, class State>
-MotionTask<bool> approaches(Carrier& carrier, const std::vector<State>& orbit, double slowest, const Vector& state) {
-  NearOrbit motion(orbit, state, slowest);
-  co_await carrier.carry(motion);
+/// Whether the motion at `state` is settling on the orbit.
+MotionTask<bool> approaches(TaskSlot& slot, const Shot& shot, const Vector& state) {
+  if (shot.orbit.conservative) co_return is_on(shot.orbit.states, state);
+  NearOrbit motion(shot.orbit.states, state, std::abs(shot.multiplier));
+  const auto never = [] { return false; };
+  co_await carry_watched(slot, motion, never);
   co_return motion.comes_closer();
-}
-MotionTask<bool> approaches(InLanes& carrier, const LaneOrbit& orbit, const Vector& state) {
-  return approaches(carrier, orbit.states, std::abs(orbit.multipliers.front()), state);
-}
-MotionTask<bool> approaches(ByPropagator& carrier, const PeriodicOrbit& orbit, const Vector& state) {
-  if (orbit.conservative) co_return is_on(orbit, state);
-  co_return co_await approaches(carrier, orbit.states, std::abs(orbit.multipliers.values.front()), state);
 }
 
 /// The orbit near the states around a return. The verdict is yes if it is stable, and the motion through the states approaches it
 /// and was not seen to pass it.
-template <class Orbit> struct Recognised {
+struct Recognised {
   Verdict verdict = Verdict::no;
-  Orbit orbit;
+  StableOrbit orbit = {};
 };
-template <class Carrier>
-MotionTask<Recognised<typename Carrier::Orbit>> recognise(Carrier& carrier, const std::vector<Vector>& around, double most_growth,
-                                                          RefusedOrbits& refused) {
-  Recognised<typename Carrier::Orbit> found;
-  found.orbit = co_await shoot_next_to_doubling(carrier, around, most_growth);
-  found.verdict = verdict(found.orbit, around.front());
+MotionTask<Recognised> recognise(TaskSlot& slot, const Search& search, const std::vector<Vector>& around, double most_growth,
+                                 RefusedOrbits& refused) {
+  Shot shot = co_await shoot_next_to_doubling(slot, search, around, most_growth);
+  Recognised found;
+  found.verdict = verdict(shot, around.front());
   if (found.verdict != Verdict::yes) co_return found;
-  if (refused.knows(found.orbit.states, around.front())) {
+  if (refused.knows(shot.orbit.states, around.front())) {
     found.verdict = Verdict::no;
-  } else if (!co_await approaches(carrier, found.orbit, around.front())) {
-    refused.add(found.orbit.states, around.front());
+  } else if (!co_await approaches(slot, shot, around.front())) {
+    refused.add(shot.orbit.states, around.front());
     found.verdict = Verdict::no;
   }
+  found.orbit = std::move(shot.orbit);
   co_return found;
-}
-/// The same by a Propagator; empty unless the verdict is yes.
-MotionTask<std::optional<StableOrbit>> recognise_by(Propagator& propagator, const std::vector<Vector>& around, double most_growth,
-                                                    RefusedOrbits& refused) {
-  ByPropagator carrier(propagator);
-  Recognised<PeriodicOrbit> found = co_await recognise(carrier, around, most_growth, refused);
-  if (found.verdict != Verdict::yes) co_return std::nullopt;
-  co_return StableOrbit(std::move(found.orbit));
 }
 
 constexpr double any_growth = std::numeric_limits<double>::infinity();
 
-/// The problem in which an orbit is sought among the closest returns, and the orbits that the motion was seen to pass.
-struct Search {
-  const HybridSystem& system;
-  const Vector& p;
-  const Vector& state;
-  RefusedOrbits& passed_by;
-};
-
-/// The stable orbit near the states around a return, if the motion approaches it: by Newton's method in lanes, which leaves
-/// delicate cases to the Propagator, or by the slot's Propagator.
-MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& lane, const Search& search, const std::vector<Vector>& around) {
-  if (!lane.in_lanes()) co_return co_await recognise_by(lane.propagator(), around, max_growth_of_return, search.passed_by);
-  InLanes carrier(lane, search.system, search.p);
-  Recognised<LaneOrbit> found = co_await recognise(carrier, around, max_growth_of_return, search.passed_by);
-  if (found.verdict == Verdict::yes) co_return stable_orbit(search.system, search.p, found.orbit);
-  if (found.verdict == Verdict::no) co_return std::nullopt;
-  Propagator propagator(search.system, search.p, {}, lane.motions().options());
-  co_return co_await recognise_by(propagator, around, any_growth, search.passed_by);
+/// The stable orbit near the states around a return, if the motion approaches it: as the slot carries its motions, in delicate
+/// cases by a Propagator.
+MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& slot, const Search& search, const std::vector<Vector>& around,
+                                                    RefusedOrbits& passed_by) {
+  Recognised found = co_await recognise(slot, search, around, max_growth_of_return, passed_by);
+  if (found.verdict == Verdict::delicate) {
+    const OneByOne alone(slot, search.p);
+    found = co_await recognise(slot, search, around, any_growth, passed_by);
+  }
+  if (found.verdict != Verdict::yes) co_return std::nullopt;
+  co_return std::move(found.orbit);
 }
 
-MotionTask<OrbitSearchResult> look(TaskSlot& lane, const Search& search, int max_period, double nearness) {
+MotionTask<OrbitSearchResult> look(TaskSlot& lane, const Search& search, const Vector& state, int max_period, double nearness,
+                                   RefusedOrbits& passed_by) {
   OrbitSearchResult out;
-  const std::vector<Vector> states = co_await next_states(lane, search.state, max_period);
+  const std::vector<Vector> states = co_await next_states(lane, state, max_period);
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   if (!returns.empty()) out.closest = returns.front();
   for (const int n : returns_to_try(returns)) {
     const std::vector<Vector> around(states.begin(), states.begin() + n);
-    out.orbit = co_await orbit_around(lane, search, around);
+    out.orbit = co_await orbit_around(lane, search, around, passed_by);
     if (out.orbit) break;
   }
   co_return out;
@@ -382,11 +343,11 @@ bool closer_than_divisors(const std::vector<double>& distances) {
   return true;
 }
 
-/// The stable orbit on which the motion at `state` is settling, by trying all its returns that may have settled.
-MotionTask<std::optional<StableOrbit>> orbit_of_any_return(Propagator& propagator, const Vector& state, int max_period,
-                                                           bool all_threads) {
-  const HybridSystem& system = propagator.system();
-  const Vector& p = propagator.parameters();
+/// The stable orbit on which the motion at `state` is settling, by trying all its returns that may have settled. The slot's
+/// motions are carried by a Propagator.
+MotionTask<std::optional<StableOrbit>> orbit_of_any_return(TaskSlot& slot, const Search& search, const Vector& state,
+                                                           int max_period, bool all_threads) {
+  Propagator& propagator = slot.propagator();
   const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
   std::vector<Vector> states{state};
   std::vector<int> worth;  // periods of returns that have not been tried
@@ -398,15 +359,16 @@ MotionTask<std::optional<StableOrbit>> orbit_of_any_return(Propagator& propagato
     std::vector<std::vector<Vector>> guesses;
     for (const int n : worth) guesses.emplace_back(states.begin(), states.begin() + n);
     const std::vector<LaneOrbit> orbits =
-        shoot_together(system, p, guesses, {.max_halvings = quick_halvings}, propagator.options(), all_threads);
-    const auto can_be_skipped = [&](const LaneOrbit& orbit, const std::vector<Vector>& around) {
-      if (!orbit.converged) return between_halves(around, near_halves).empty();
-      if (has_doubled(orbit.states.size(), orbit.multipliers[0], around.size())) return false;
-      return verdict(orbit, state) == Verdict::no || refused.knows(orbit.states, state);
+        shoot_together(search.system, search.p, guesses, {.max_halvings = quick_halvings}, propagator.options(), all_threads);
+    const auto can_be_skipped = [&](const Shot& shot, const std::vector<Vector>& around) {
+      if (!shot.converged) return between_halves(around, near_halves).empty();
+      if (has_doubled(shot.orbit.states.size(), shot.multiplier, around.size())) return false;
+      return verdict(shot, state) == Verdict::no || refused.knows(shot.orbit.states, state);
     };
     for (std::size_t i = 0; i < guesses.size(); ++i) {
-      if (!orbits.empty() && can_be_skipped(orbits[i], guesses[i])) continue;
-      if (auto orbit = co_await recognise_by(propagator, guesses[i], any_growth, refused)) co_return orbit;
+      if (!orbits.empty() && can_be_skipped(shot_of(search, orbits[i]), guesses[i])) continue;
+      Recognised found = co_await recognise(slot, search, guesses[i], any_growth, refused);
+      if (found.verdict == Verdict::yes) co_return std::move(found.orbit);
     }
     worth.clear();
     together *= 2;
@@ -440,10 +402,11 @@ MotionTask<std::optional<StableOrbit>> orbit_of_any_return(Propagator& propagato
 
 MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
                                                                  const LaneOrbit& orbit, const Vector& state) {
-  if (verdict(orbit, state) != Verdict::yes) co_return std::nullopt;
-  InLanes carrier(lane, system, p);
-  if (!co_await approaches(carrier, orbit, state)) co_return std::nullopt;
-  co_return stable_orbit(system, p, orbit);
+  const Search search{system, p};
+  Shot shot = shot_of(search, orbit);
+  if (verdict(shot, state) != Verdict::yes) co_return std::nullopt;
+  if (!co_await approaches(lane, shot, state)) co_return std::nullopt;
+  co_return std::move(shot.orbit);
 }
 
 MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness) {
@@ -455,25 +418,21 @@ MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_peri
 MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
                                              OrbitSearch search) {
   OrbitSearchResult out;
-  std::unique_ptr<Propagator> own;
-  const auto propagator = [&]() -> Propagator& {
-    if (!lane.in_lanes()) return lane.propagator();
-    if (!own) own = std::make_unique<Propagator>(system, p, std::vector<std::size_t>{}, lane.motions().options());
-    return *own;
-  };
+  const Search problem{system, p};
   if (may_rest(system, p, state)) {
-    if (std::optional<PeriodicOrbit> rest = resting_orbit(propagator(), state)) {
+    const OneByOne alone(lane, p);
+    if (std::optional<PeriodicOrbit> rest = resting_orbit(lane.propagator(), state)) {
       out.orbit = StableOrbit(std::move(*rest));
       co_return out;
     }
   }
   if (!(search.nearness > 0.0)) {
-    out.orbit = co_await orbit_of_any_return(propagator(), state, search.max_period, search.all_threads);
+    const OneByOne alone(lane, p);
+    out.orbit = co_await orbit_of_any_return(lane, problem, state, search.max_period, search.all_threads);
     co_return out;
   }
   RefusedOrbits here;
-  const Search among{system, p, state, search.refused ? *search.refused : here};
-  out = co_await look(lane, among, search.max_period, search.nearness);
+  out = co_await look(lane, problem, state, search.max_period, search.nearness, search.refused ? *search.refused : here);
   co_return out;
 }
 
