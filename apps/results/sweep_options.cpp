@@ -40,8 +40,7 @@ void add_sweeping_options(CLI::App& app, SweepingOptions& options, Need step, co
   add_number(app, "--step", options.step, step_help, step);
   add_count(app, "--transient", options.transient, 0,
             "most forcing periods (returns without forcing) of transient at each value but the first (default 300); a stable "
-            "orbit that is "
-            "proved ends it");
+            "orbit that is proved ends it");
   add_count(app, "--periods", options.periods, 1,
             "most forcing periods (returns without forcing) of each average (default 20000)");
   add_number(app, "--standard-error", options.standard_error, "bound of the exponents' standard errors (default 1e-3)");

@@ -35,7 +35,7 @@ std::optional<BranchStart> to_signature(OrbitProblem& problem, const BranchStart
   out.u = moved.pack(*here, problem.value(start.u));
   out.orientation = problem.value(start.orientation) * moved.parameter_direction();
   // If only the parameter gives the direction, differences are useless: the displaced states are no orbits.
-  if (start.orientation.head(start.orientation.size() - 1).isZero(0.0)) return out;
+  if (problem.orbit_part(start.orientation).isZero(0.0)) return out;
   // The direction by finite differences. The difference is small against the square of the speed of a weak impact, because the
   // impact exists within that distance of the barrier.
   const double small = 1e-8 / std::max(1e-300, problem.largest_change(start.orientation));

@@ -119,7 +119,7 @@ Curve StatesFollower::follow(const BranchStart& given) {
     const bool autonomous = problem_.equations().autonomous();
     OrbitProblem moved = problem_.with_section(autonomous ? current : section);
     const auto move = [&](const Vector& u) {
-      const double turn = problem_.equations().duration(u.head(u.size() - 1)) / problem_.period();
+      const double turn = problem_.equations().duration(problem_.orbit_part(u)) / problem_.period();
       return autonomous ? problem_.carried_on(u, (section - current) * turn) : problem_.to_section(moved, u);
     };
     // Small against the square of the speed of a weak impact: the impact exists within that distance of the barrier.

@@ -15,11 +15,11 @@ namespace graze {
 class RefusedOrbits {
  public:
   /// Records that the motion from `from` did not approach the orbit with these states.
-  template <class State> void add(const std::vector<State>& orbit, const Vector& from) {
-    refused_.push_back({Vector(Eigen::Map<const Vector>(orbit.front().data(), from.size())), nearest_distance(orbit, from)});
+  void add(const std::vector<Vector>& orbit, const Vector& from) {
+    refused_.push_back({orbit.front(), nearest_distance(orbit, from)});
   }
   /// Whether the orbit is recorded, and the motion is not much closer to it now.
-  template <class State> bool knows(const std::vector<State>& orbit, const Vector& now) const {
+  bool knows(const std::vector<Vector>& orbit, const Vector& now) const {
     return std::any_of(refused_.begin(), refused_.end(), [&](const One& one) {
       return nearest_distance(orbit, one.state) < DistanceWatch::rounding_distance &&
              nearest_distance(orbit, now) > 0.5 * one.distance;

@@ -21,7 +21,6 @@ inline double state_size(const StatePair& x) { return std::max(std::abs(x[0]), s
 
 inline double state_distance(const Vector& a, const Vector& b) { return (a - b).lpNorm<Eigen::Infinity>(); }
 inline double state_distance(const StatePair& a, const StatePair& b) { return state_size(StatePair{a[0] - b[0], a[1] - b[1]}); }
-inline double state_distance(const StatePair& a, const Vector& b) { return state_distance(a, pair_of(b)); }
 
 inline Vector weighted(double a, const Vector& x, double b, const Vector& y) { return a * x + b * y; }
 inline StatePair weighted(double a, const StatePair& x, double b, const StatePair& y) {

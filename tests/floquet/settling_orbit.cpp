@@ -192,12 +192,13 @@ TEST_CASE("the states of a doubled orbit are estimated from the motion across it
 }
 
 TEST_CASE("an orbit refused once is tested again when the motion is much closer") {
-  const std::vector<StatePair> orbit = {{1.0, 0.0}, {-1.0, 0.5}}, other = {{1.0, 1e-6}, {-1.0, 0.5001}};
+  const std::vector<Vector> orbit = {vector({1.0, 0.0}), vector({-1.0, 0.5})};
+  const std::vector<Vector> other = {vector({1.0, 1e-6}), vector({-1.0, 0.5001})};
   RefusedOrbits refused;
   CHECK_FALSE(refused.knows(orbit, vector({1.1, 0.0})));
   refused.add(orbit, vector({1.1, 0.0}));
   CHECK(refused.knows(orbit, vector({1.1, 0.0})));
-  const std::vector<StatePair> turned = {orbit[1], orbit[0]};
+  const std::vector<Vector> turned = {orbit[1], orbit[0]};
   CHECK(refused.knows(turned, vector({-0.94, 0.5})));
   CHECK_FALSE(refused.knows(orbit, vector({-0.96, 0.5})));
   CHECK_FALSE(refused.knows(other, vector({1.1, 0.0})));
