@@ -146,15 +146,16 @@ void take(LyapunovSpectrum average, const AttractorOptions& options, Attractor& 
 
 /// Takes an average of a motion that is not known to be periodic and evaluates it; in fast mode, with a second one to confirm
 /// chaos. Ends at once if the motion has settled on an orbit during an average.
-MotionTask<> take_average(TaskSlot& lane, const HybridSystem& system, const Vector& p, const LyapunovOptions& averaging,
+MotionTask<> take_average(TaskSlot& lane, const HybridSystem& system, const Vector& p, LyapunovOptions averaging,
                           const AttractorOptions& options, Attractor& attractor) {
   if (!is_fast(options)) {
     take(lyapunov_spectrum(system, p, attractor.state, averaging), options, attractor);
     co_return;
   }
+  if (lane.motions_at_once() == 1) averaging.motions = 1;  // several would take longer, and others are carried meanwhile
   for (bool again = false;; again = true) {
     const AverageStart start{p, attractor.state};
-    RunningAverage average(lane, system, start, averaging);
+    RunningAverage average(lane, start, averaging);
     RefusedOrbits refused;
     for (std::int64_t periods = first_check_of_average;; periods *= 2) {
       const bool open = co_await average.carry(lane, periods);

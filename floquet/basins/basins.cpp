@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor/settling_orbit.hpp>
 #include <graze/floquet/basins/attractor_classifier.hpp>
+#include <graze/floquet/basins/attractor_states.hpp>
 #include <graze/floquet/basins/basin_shares.hpp>
 #include <graze/floquet/basins/basins.hpp>
-#include <graze/floquet/basins/contact_table_probe.hpp>
+#include <graze/floquet/basins/probed_contacts.hpp>
 #include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/numerics/spread_order.hpp>
@@ -53,7 +54,7 @@ class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, const Matrix& starts, const BasinOptions& options, Basins out)
       : system_(system), p_(p), starts_(starts), options_(options), at_once_(motions_at_once(system, p, options.flow)),
-        probe_(system, p, starts, options.flow), out_(std::move(out)) {
+        table_(probed_contacts(system, p, starts, options.flow)), out_(std::move(out)) {
     for (CoexistingAttractor& found : out_.attractors) {
       std::vector<Vector> before = found.states;
       known_.add(describe(found));
@@ -99,8 +100,7 @@ class Search {
         std::vector<Watch> watches;
         watches.reserve(its.size());
         for (const std::size_t k : its) watches.emplace_back(*this, runs[k], todo[k], first);
-        carry_all_watched(system_, p_, options_.flow, {probe_.table(), known_.ellipses()}, watches,
-                          [this] { return cancelled(); });
+        carry_all_watched(system_, p_, options_.flow, {table_, known_.ellipses()}, watches, [this] { return cancelled(); });
       });
       std::vector<std::size_t> left;
       bool analysed = false, whole = true;
@@ -348,7 +348,7 @@ class Search {
     finding.lyapunov.max_periods = options_.periods;
     finding.lyapunov.flow = options_.flow;
     finding.lyapunov.all_threads = true;
-    finding.lyapunov.table = probe_.table();
+    finding.lyapunov.table = table_;
     finding.lyapunov.cancelled = options_.cancelled;
     Attractor attractor = find_attractor(system_, p_, run.state, finding);
     run.periods += attractor.time_average.periods;
@@ -372,7 +372,8 @@ class Search {
       known.orbit = trapping_region(system_, p_, attractor.state, attractor.period, options_.flow);
       states = known.orbit.centres;
     } else {
-      states = probe_.states(attractor, static_cast<std::size_t>(std::max(1, options_.periods)));
+      const auto count = static_cast<std::size_t>(std::max(1, options_.periods));
+      states = attractor_states(system_, p_, attractor, count, options_.flow, table_);
       known.cells = VisitedCells(states);
     }
     if (all) *all = states;
@@ -395,7 +396,7 @@ class Search {
   const Matrix& starts_;
   const BasinOptions& options_;
   const std::size_t at_once_;
-  ContactTableProbe probe_;
+  const std::shared_ptr<const ContactTable> table_;
   Basins out_;
   AttractorClassifier known_;
   std::mutex telling_;

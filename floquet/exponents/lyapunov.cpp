@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/exponents/running_average.hpp>
-#include <graze/lib/motion/lane_carrier.hpp>
+#include <graze/lib/tasks/task_pool.hpp>
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace graze {
@@ -62,10 +63,19 @@ double kaplan_yorke_dimension(const std::vector<double>& exponents) {
 
 LyapunovSpectrum lyapunov_spectrum(const HybridSystem& system, const Vector& p, const Vector& state,
                                    const LyapunovOptions& options) {
-  if (options.motions > 1)
-    if (const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, {&p, 1}, options.flow))
-      return lane_spectrum(*many, state, options);
-  return frame_spectrum(system, {p, state}, options);
+  constexpr std::int64_t to_the_end = std::numeric_limits<std::int64_t>::max();
+  constexpr std::size_t most_at_once = 256;
+  validate(options);
+  LyapunovSpectrum out;
+  const auto average = [&](std::size_t, TaskSlot& slot) -> MotionTask<> {
+    slot.set_parameters(p, options.motions == 1);  // one motion gains nothing from lanes
+    const AverageStart start{p, state};
+    RunningAverage running(slot, start, options);
+    co_await running.carry(slot, to_the_end, most_at_once);
+    out = std::move(running).result();
+  };
+  run_tasks(system, options.flow, options.all_threads, 1, average);
+  return out;
 }
 
 }  // namespace graze

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <graze/floquet/exponents/average.hpp>
-#include <graze/floquet/exponents/lane_motion.hpp>
+#include <graze/floquet/exponents/exponents.hpp>
 #include <graze/floquet/exponents/running_average.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -17,112 +16,15 @@ namespace {
 
 /// An average that may stop early is expected to be long once it has reached this many periods.
 constexpr std::int64_t lasting = LaneCarrier::periods_for_table / 4;
-/// Forcing periods between two tests of the stop rule: an eighth of those so far, so that few more are carried than needed.
-constexpr std::size_t shortest_stretch = 32, longest_stretch = 256;
-/// Periods per motion from which the use of all threads pays.
+/// Periods per motion from which the use of several threads pays.
 constexpr std::size_t long_for_threads = 64;
-/// Periods that a Propagator carries at once, if there are several motions: few enough for a prompt end, and many enough to give
-/// each thread some work.
-constexpr std::size_t shortest_alone = 8;
-
-/// All motions of an average in lanes.
-class LaneMotions : public Average<LaneMotion> {
- public:
-  LaneMotions(const AverageStart& start, std::size_t set, const LyapunovOptions& options, double period)
-      : Average(motions_from(start, set, options), 2, options, period) {}
-
-  /// Writes the present states of the motions.
-  void ask(std::vector<MotionStart>& next) const {
-    next.clear();
-    for (const LaneMotion& motion : motions()) next.push_back(motion.at());
-  }
-
-  /// Tells `many` how many periods will follow, once that is known.
-  void announce(LaneCarrier& many, std::size_t parameters) {
-    const bool to_the_end = options().standard_error == 0.0 && options().change == 0.0;
-    if (announced_ || (!to_the_end && periods() < lasting)) return;
-    announced_ = true;
-    many.expect(parameters, options().max_periods - periods());
-  }
-
-  /// Adds the results of `periods` more periods of each motion, motion by motion.
-  void take(const PeriodResult* results, std::size_t periods, std::size_t threads) {
-    const bool tangents = with_tangents();
-    add(periods, [&](std::vector<LaneMotion>& all, std::size_t begin, std::size_t count, bool counted) {
-      const std::size_t parts = count >= long_for_threads ? std::min(threads, all.size()) : 1;
-      in_parallel(parts, [&](std::size_t part) {
-        for (std::size_t i = part * all.size() / parts; i < (part + 1) * all.size() / parts; ++i) {
-          const std::span<const PeriodResult> next(&results[i * periods + begin], count);
-          tangents ? all[i].add(next, counted, options().interval) : all[i].pass(next);
-        }
-      });
-    });
-  }
-
- private:
-  static std::vector<LaneMotion> motions_from(const AverageStart& start, std::size_t set, const LyapunovOptions& options) {
-    std::vector<LaneMotion> motions;
-    for (const MotionStart& one : neighbouring_starts(set, start.state, options.motions)) motions.emplace_back(one);
-    return motions;
-  }
-
-  bool announced_ = false;
-};
-
-/// All motions of an average by Propagators.
-class FrameMotions : public Average<FrameMotion> {
- public:
-  FrameMotions(const SharedSystem& system, const AverageStart& start, const LyapunovOptions& options, int motions)
-      : Average(motions_from(system, start, options, motions), system->states, options,
-                is_forced(system) ? forcing_period(system, start.p) : 0.0),
-        interval_(options.interval), threads_(options.all_threads ? available_threads() : 1) {}
-
-  /// Carries all motions over some more periods.
-  void carry_on() {
-    const bool tangents = with_tangents();
-    const auto kind = [&](bool counted) {
-      if (!tangents) return FrameMotion::Kind::parting;
-      return counted ? FrameMotion::Kind::counted : FrameMotion::Kind::aligning;
-    };
-    add(part_of(motions().size() > 1 ? shortest_alone : 1),
-        [&](std::vector<FrameMotion>& all, std::size_t, std::size_t count, bool counted) {
-          const std::size_t parts = std::min(threads_, all.size());
-          in_parallel(parts, [&](std::size_t part) {
-            for (std::size_t i = part * all.size() / parts; i < (part + 1) * all.size() / parts; ++i)
-              all[i].carry(count, kind(counted), interval_);
-          });
-        });
-  }
-
- private:
-  static std::vector<FrameMotion> motions_from(const SharedSystem& system, const AverageStart& start,
-                                               const LyapunovOptions& options, int motions) {
-    std::vector<FrameMotion> all;
-    for (int i = 0; i < motions; ++i) all.emplace_back(system, AverageStart{start.p, neighbour(system, start, i)}, options.flow);
-    return all;
-  }
-
-  /// The start of motion i: its first coordinate that may be moved differs by i steps of 1e-7 (1 + |x|).
-  static Vector neighbour(const HybridSystem& system, const AverageStart& start, int i) {
-    if (i == 0) return start.state;
-    for (Eigen::Index k = 0; k < start.state.size(); ++k)
-      for (const double side : {-1e-7, 1e-7}) {
-        Vector moved = start.state;
-        moved[k] += side * i * (1.0 + std::abs(moved[k]));
-        if (mode_at(system, 0.0, moved, start.p)) return moved;
-      }
-    return start.state;
-  }
-
-  int interval_;
-  std::size_t threads_;
-};
 
 /// Shortest length of a motion in an average over several: the periods in which they separate do not count and are a small part.
 constexpr std::int64_t shortest_motion = 10 * decorrelation_periods;
 
-/// Number of chaotic motions averaged in parallel. It fills the lanes of one thread, provided that most of each motion's budget
-/// remains after parting. It grows up to the lanes of several threads if each motion lasts for at least `shortest_motion`.
+/// Number of chaotic motions averaged in parallel, if several are carried at once. It fills the lanes of one thread, provided
+/// that most of each motion's budget remains after parting. It grows up to the lanes of several threads if each motion lasts for
+/// at least `shortest_motion`.
 constexpr std::int64_t motions_of_a_thread = 16, most_motions = 128;
 constexpr std::int64_t budget_for_many = 4 * motions_of_a_thread * decorrelation_periods;
 
@@ -134,16 +36,15 @@ std::int64_t expected_periods(const LyapunovOptions& averaging) {
       std::min(static_cast<double>(averaging.max_periods), per_error > 0.0 ? 1.0 / (per_error * per_error) : 1e18));
 }
 
-/// Motions of an average that has the lanes for itself.
-int motions_in_lanes(const LyapunovOptions& averaging) {
+int motions_side_by_side(const LyapunovOptions& averaging) {
   if (averaging.change > 0.0 || averaging.max_periods < budget_for_many) return 1;
   const std::int64_t wanted = expected_periods(averaging) / shortest_motion;
   return static_cast<int>(std::clamp(wanted / motions_of_a_thread * motions_of_a_thread, motions_of_a_thread, most_motions));
 }
 
-/// Motions of an average by Propagators: several threads share them. Their number depends on the length alone, so that the result
-/// does not depend on the machine.
-int motions_of_propagators(const LyapunovOptions& averaging) {
+/// The same if motions are carried one by one: several threads share them. The number depends on the length alone, so that the
+/// result does not depend on the machine.
+int motions_one_by_one(const LyapunovOptions& averaging) {
   constexpr std::int64_t step = 4, most = 32;
   const std::int64_t wanted = expected_periods(averaging) / shortest_motion;
   if (averaging.change > 0.0 || wanted < step) return 1;
@@ -153,95 +54,218 @@ int motions_of_propagators(const LyapunovOptions& averaging) {
 }  // namespace
 
 int enough_motions(const HybridSystem& system, const Vector& p, const LyapunovOptions& averaging) {
-  return motions_at_once(system, p, averaging.flow) > 1 ? motions_in_lanes(averaging) : motions_of_propagators(averaging);
+  return motions_at_once(system, p, averaging.flow) > 1 ? motions_side_by_side(averaging) : motions_one_by_one(averaging);
 }
 
-int motions_in_shared_lanes(const LyapunovOptions& averaging) {
-  const int alone = motions_in_lanes(averaging);
+int motions_in_company(const LyapunovOptions& averaging) {
+  const int alone = motions_side_by_side(averaging);
   return expected_periods(averaging) < 4 * decorrelation_periods * alone ? 1 : alone;
 }
 
-std::vector<MotionStart> neighbouring_starts(std::size_t parameters, const Vector& state, int motions) {
-  std::vector<MotionStart> starts;
-  const double apart = 1e-7 * (1.0 + std::abs(state[0]));
-  for (int i = 0; i < motions; ++i) starts.push_back({parameters, state[0] - apart * i, state[1]});
+std::vector<Vector> neighbouring_starts(const HybridSystem& system, const Vector& p, const Vector& state, int motions) {
+  const auto neighbour = [&](int i) {
+    for (Eigen::Index k = 0; k < state.size(); ++k)
+      for (const double side : {-1e-7, 1e-7}) {
+        Vector moved = state;
+        moved[k] += side * (1.0 + std::abs(state[k])) * i;
+        if (mode_at(system, 0.0, moved, p)) return moved;
+      }
+    return state;
+  };
+  std::vector<Vector> starts{state};
+  for (int i = 1; i < motions; ++i) starts.push_back(neighbour(i));
   return starts;
 }
 
-class RunningAverage::InLanes : public LaneMotions {
-  using LaneMotions::LaneMotions;
-};
-class RunningAverage::Alone : public FrameMotions {
-  using FrameMotions::FrameMotions;
-};
-
-RunningAverage::RunningAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start,
-                               const LyapunovOptions& options) {
+RunningAverage::RunningAverage(const TaskSlot& slot, const AverageStart& start, const LyapunovOptions& options)
+    : options_(options),
+      forced_interval_(is_forced(slot.system()) ? options.interval * forcing_period(slot.system(), start.p) : 0.0),
+      lost_(slot.system()->states, 0), last_(slot.system()->states, 0.0) {
   validate(options);
-  if (!lane.in_lanes()) {
-    alone_ = std::make_unique<Alone>(system, start, options, 1);
-    return;
-  }
+  const HybridSystem& system = slot.system();
   initial_mode(system, 0.0, start.state, start.p);
-  in_lanes_ = std::make_unique<InLanes>(start, lane.parameters(), options, forcing_period(system, start.p));
+  if (options.table) slot.use(options.table);
+  states_ = neighbouring_starts(system, start.p, start.state, options.motions);
+  for (const Vector& state : states_) motions_.emplace_back(state, is_forced(system));
+  uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? aligning_periods : 0);
+  to_part_ = motions_.size() > 1 ? std::max<std::int64_t>(0, decorrelation_periods - uncounted_) : 0;
+  out_.stop = LyapunovStop::budget;
+  open_ = options.max_periods >= round();
 }
 
-RunningAverage::~RunningAverage() = default;
-
-MotionTask<bool> RunningAverage::carry(TaskSlot& lane, std::int64_t periods) {
-  if (alone_) {
-    while (alone_->open() && alone_->periods() < periods && !alone_->cancelled()) alone_->carry_on();
-    co_return alone_->open();
+MotionTask<bool> RunningAverage::carry(TaskSlot& slot, std::int64_t periods, std::size_t most_at_once) {
+  while (open_ && out_.periods < periods && !cancelled()) {
+    announce(slot);
+    // An eighth of the periods so far, so that few more are carried than needed.
+    std::size_t next = slot.batch(std::clamp(requested_ / 8, fewest_at_once, most_at_once), motions_.size());
+    if (is_parting()) next = std::min(next, static_cast<std::size_t>(to_part_));
+    requested_ += next;
+    const CarriedMotions carried = co_await slot.carry_all(states_, next, !is_parting());
+    const std::int64_t before = out_.periods;
+    add(carried, next, slot.threads());
+    if (options_.progress && out_.periods > before) options_.progress(out_.periods);
   }
-  InLanes& average = *in_lanes_;
-  std::vector<MotionStart> next;
-  while (average.open() && average.periods() < periods && !average.cancelled()) {
-    average.announce(lane.motions(), lane.parameters());
-    average.ask(next);
-    const std::size_t stretch = average.part_of(shortest_stretch);
-    const std::span<const PeriodResult> carried = co_await lane.carry(next, stretch, average.with_tangents());
-    average.take(carried.data(), stretch, 1);
-  }
-  co_return average.open();
+  co_return open_;
 }
 
-const Vector& RunningAverage::state() const { return alone_ ? alone_->state() : in_lanes_->state(); }
-
-LyapunovSpectrum RunningAverage::result() && { return alone_ ? std::move(*alone_).result() : std::move(*in_lanes_).result(); }
-
-LyapunovSpectrum lane_spectrum(LaneCarrier& many, const Vector& start, const LyapunovOptions& options) {
-  constexpr std::size_t set = 0;
-  const Vector& p = many.parameters(set);
-  validate(options);
-  initial_mode(many.system(), 0.0, start, p);
-  if (options.all_threads) many.use_all_threads();
-  const std::size_t threads = options.all_threads ? available_threads() : 1;
-  if (options.table) many.use(set, options.table);
-  LaneMotions average({p, start}, set, options, forcing_period(many.system(), p));
-  std::vector<MotionStart> motions;
-  std::vector<PeriodResult> results;
-  std::int64_t told = 0;
-  for (std::size_t carried = 0; average.open() && !average.cancelled();) {
-    average.announce(many, set);
-    average.ask(motions);
-    const std::size_t stretch = average.part_of(std::clamp(carried / 8, shortest_stretch, longest_stretch));
-    many.carry(motions, stretch, average.with_tangents(), results);
-    carried += stretch;
-    average.take(results.data(), stretch, threads);
-    if (options.progress && average.periods() > told) options.progress(told = average.periods());
-  }
-  return std::move(average).result();
+/// Asks whether the average is cancelled, which ends it.
+bool RunningAverage::cancelled() {
+  if (!options_.cancelled || !options_.cancelled()) return false;
+  stop(LyapunovStop::interrupted);
+  return true;
 }
 
-LyapunovSpectrum frame_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
-  validate(options);
-  FrameMotions average(system, start, options, options.motions);
-  std::int64_t told = 0;
-  while (average.open() && !average.cancelled()) {
-    average.carry_on();
-    if (options.progress && average.periods() > told) options.progress(told = average.periods());
+/// Tells how many periods will follow, once that is known.
+void RunningAverage::announce(const TaskSlot& slot) {
+  const bool to_the_end = options_.standard_error == 0.0 && options_.change == 0.0;
+  if (announced_ || (!to_the_end && out_.periods < lasting)) return;
+  announced_ = true;
+  slot.expect(options_.max_periods - out_.periods);
+}
+
+/// Adds some more periods of each motion, in parts between two tests of the stop rule.
+void RunningAverage::add(const CarriedMotions& carried, std::size_t periods, std::size_t threads) {
+  if (is_parting()) {
+    add_part(carried, 0, periods, threads);
+    to_part_ -= static_cast<std::int64_t>(periods);
+  } else {
+    for (std::size_t k = 0; k < periods && open_;) {
+      const std::size_t next = std::min<std::size_t>(periods - k, static_cast<std::size_t>(until_look()));
+      const bool counted = uncounted_ == 0;
+      add_part(carried, k, next, threads);
+      k += next;
+      if (!open_) break;
+      if (!counted)
+        uncounted_ -= static_cast<std::int64_t>(next);
+      else if (motions_.front().periods_open() == 0)
+        look();
+    }
   }
-  return std::move(average).result();
+  for (std::size_t i = 0; i < motions_.size(); ++i) states_[i] = motions_[i].state();
+}
+
+/// Adds `count` periods of each motion, from `begin` on. The average ends if a motion has.
+void RunningAverage::add_part(const CarriedMotions& carried, std::size_t begin, std::size_t count, std::size_t threads) {
+  using Kind = MotionGrowth::Kind;
+  const Kind kind = is_parting() ? Kind::parting : uncounted_ > 0 ? Kind::aligning : Kind::counted;
+  const std::size_t parts = count >= long_for_threads ? std::min(threads, motions_.size()) : 1;
+  in_parallel(parts, [&](std::size_t part) {
+    for (std::size_t i = part * motions_.size() / parts; i < (part + 1) * motions_.size() / parts; ++i)
+      motions_[i].add(carried.of(i).part(begin, count), kind, options_.interval);
+  });
+  gather();
+  if (out_.termination != Termination::time) stop(LyapunovStop::failed);
+}
+
+void RunningAverage::stop(LyapunovStop reason) {
+  if (open_) out_.stop = reason;
+  open_ = false;
+}
+
+/// Periods until the next test: the motions begin to count, have a new standard error, or may end.
+std::int64_t RunningAverage::until_look() const {
+  if (uncounted_ > 0) return uncounted_;
+  const MotionGrowth& first = motions_.front();
+  const std::int64_t to_end = (options_.max_periods - out_.periods) / static_cast<std::int64_t>(motions_.size());
+  const std::int64_t intervals = options_.change > 0.0 || lost_[0] ? 1 : first.means(0).until_batch_ends();
+  return std::max<std::int64_t>(1, std::min(intervals * options_.interval - first.periods_open(), to_end));
+}
+
+/// Collects the sums over all motions.
+void RunningAverage::gather() {
+  out_.impacts = 0;
+  out_.periods = 0;
+  out_.duration = out_.log_growth = out_.log_volume = 0.0;
+  out_.termination = Termination::time;
+  for (const MotionGrowth& motion : motions_) {
+    out_.impacts += motion.impacts();
+    out_.periods += motion.averaged();
+    if (const ReturnTimes* const times = motion.times()) out_.duration += times->total();
+    out_.log_growth += motion.means(0).total() / count();
+    out_.log_volume += motion.log_volume() / count();
+    out_.liouville_residual = std::max(out_.liouville_residual, motion.liouville_residual());
+    for (std::size_t i = 0; i < lost_.size(); ++i) lost_[i] = lost_[i] || motion.lost(i);
+    if (motion.termination() != Termination::time) out_.termination = motion.termination();
+  }
+}
+
+/// Applies the stop rule after an orthonormalisation of all motions.
+void RunningAverage::look() {
+  if (options_.change > 0.0) {
+    double change = 0.0;
+    for (std::size_t i = 0; i < lost_.size(); ++i) {
+      const double before = std::exchange(last_[i], lost_[i] ? 0.0 : exponent(i));
+      change = std::max(change, std::abs(last_[i] - before));
+    }
+    if (out_.periods > round() && change < options_.change) return stop(LyapunovStop::change);
+  }
+  if (has_new_errors(options_, lost_[0], motions_.front().means(0)) && settled()) return stop(LyapunovStop::standard_error);
+  if (out_.periods + round() > options_.max_periods) open_ = false;
+}
+
+bool RunningAverage::settled() const {
+  const std::int64_t each = out_.periods / static_cast<std::int64_t>(motions_.size());
+  const bool is_chaos = grows_beyond_shear(out_.log_growth, out_.log_volume, each);
+  return precise_enough(
+      options_, out_.periods, is_chaos, lost_.size(), [&](std::size_t i) { return exponent(i); },
+      [&](std::size_t i) { return standard_error(i); });
+}
+
+/// Mean time of an interval.
+double RunningAverage::interval_time() const {
+  if (forced_interval_ > 0.0) return forced_interval_;
+  return out_.duration / static_cast<double>(std::max<std::int64_t>(out_.periods, 1)) * options_.interval;
+}
+
+double RunningAverage::exponent(std::size_t i) const {
+  if (lost_[i]) return -std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  std::int64_t terms = 0;
+  for (const MotionGrowth& motion : motions_) {
+    sum += motion.means(i).total();
+    terms += motion.means(i).count();
+  }
+  return sum / static_cast<double>(std::max<std::int64_t>(terms, 1)) / interval_time();
+}
+
+/// The motions are independent, except for the ends of their series: near an orbit they do not separate. If they differ by more
+/// than their own errors explain (some have settled, or their correlation lasts longer than the average), their spread gives the
+/// error.
+double RunningAverage::standard_error(std::size_t i) const {
+  if (lost_[i]) return 0.0;
+  const double rate = forced_interval_ > 0.0 ? 0.0 : exponent(i);
+  double squares = 0.0, edges = 0.0, mean = 0.0, apart = 0.0, drift = 0.0;
+  // Growth of the direction in an interval beyond that of the common rate in the motion's own time.
+  const auto beyond = [&](const MotionGrowth& motion) {
+    const ReturnTimes* const times = motion.times();
+    return motion.means(i).mean() - (times ? rate * times->mean() : 0.0);
+  };
+  for (const MotionGrowth& motion : motions_) {
+    const BatchMeans& growth = motion.means(i);
+    const ReturnTimes* const times = motion.times();
+    const double own = times ? times->error(i, growth, rate) : growth.standard_error();
+    squares += own * own;
+    edges += growth.edge() / count();
+    mean += beyond(motion) / count();
+    drift += (times ? times->drift(growth, rate) : growth.drift()) / count();
+  }
+  for (const MotionGrowth& motion : motions_) apart += (beyond(motion) - mean) * (beyond(motion) - mean);
+  const double spread = motions_.size() > 1 ? apart / (count() - 1.0) / count() : 0.0;
+  return with_trend(std::sqrt(std::max(squares / (count() * count()), spread) + edges * edges), drift) / interval_time();
+}
+
+LyapunovSpectrum RunningAverage::result() && {
+  const auto correlation = [&](std::size_t i) {
+    double time = 0.0;
+    for (const MotionGrowth& motion : motions_) time += motion.means(i).correlation_time();
+    return lost_[i] ? 0.0 : time / count() * options_.interval;
+  };
+  write_exponents(
+      lost_.size(), [&](std::size_t i) { return exponent(i); }, [&](std::size_t i) { return standard_error(i); }, correlation,
+      out_);
+  out_.state = state();
+  for (std::size_t i = 1; i < motions_.size(); ++i) out_.others.push_back(motions_[i].state());
+  return std::move(out_);
 }
 
 }  // namespace graze

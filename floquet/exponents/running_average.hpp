@@ -1,62 +1,76 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Time averages over several motions on one attractor (average.hpp), which average over it sooner than one: in SIMD lanes for
-// oscillators that these support, or by a Propagator a motion for any system; alone, or as a task among others.
-//
-// In lanes, of two directions the first is carried along, u' = Phi u / |Phi u| with growth ln|Phi u|. The growth of the second is
-// ln|det Phi| minus that of the first (the same numbers as from QR).
+// RunningAverage: the running time average of the Lyapunov exponents over several motions on one attractor, which average over it
+// sooner than one, and the rule that ends it. It is taken for a task, whose slot carries the motions.
 #pragma once
 
 #include <graze/floquet/exponents/lyapunov.hpp>
+#include <graze/floquet/exponents/motion_growth.hpp>
 #include <graze/lib/tasks/task.hpp>
 
-#include <memory>
+#include <cstdint>
+#include <vector>
 
 namespace graze {
 
-class LaneCarrier;
+class CarriedMotions;
 class TaskSlot;
-struct MotionStart;
 
-/// Average over LyapunovOptions::motions parallel motions until the options' rule is met: in lanes, at the carrier's first
-/// parameter set, or by Propagators. Each motion beyond the first starts 1e-7 (1 + |x|) farther from the given start than the one
-/// before (in lanes: from the barrier). If there are several, all are first carried for `decorrelation_periods` uncounted
-/// periods, in which chaos separates them; the last of these periods also align their tangent vectors. @throws
-/// std::invalid_argument as lyapunov_spectrum does.
-LyapunovSpectrum lane_spectrum(LaneCarrier& many, const Vector& start, const LyapunovOptions& options);
-LyapunovSpectrum frame_spectrum(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
-
-/// An average taken for a task of a pool, with pauses: in lanes as lane_spectrum, or along one motion by a Propagator, as the
-/// slot carries its motions.
 class RunningAverage {
  public:
-  RunningAverage(const TaskSlot& lane, const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options);
-  RunningAverage(const RunningAverage&) = delete;
-  RunningAverage& operator=(const RunningAverage&) = delete;
-  ~RunningAverage();
+  /// Over LyapunovOptions::motions motions until the options' rule is met. Each motion beyond the first starts 1e-7 (1 + |x|)
+  /// from the one before (neighbouring_starts). If there are several, all are first carried for `decorrelation_periods` uncounted
+  /// periods, in which chaos separates them; the last of these periods also align their tangent vectors.
+  /// @throws std::invalid_argument as lyapunov_spectrum does, and for a table of other parameters.
+  RunningAverage(const TaskSlot& slot, const AverageStart& start, const LyapunovOptions& options);
 
-  /// Carries the average until it ends (false) or has averaged over this many periods (true).
-  MotionTask<bool> carry(TaskSlot& lane, std::int64_t periods);
+  /// Carries the average until it ends (false) or has averaged over this many periods (true), by up to `most_at_once` periods at
+  /// a time.
+  MotionTask<bool> carry(TaskSlot& slot, std::int64_t periods, std::size_t most_at_once = fewest_at_once);
+  static constexpr std::size_t fewest_at_once = 32;
+
   /// State of its first motion.
-  const Vector& state() const;
+  const Vector& state() const { return motions_.front().state(); }
   LyapunovSpectrum result() &&;
 
  private:
-  class InLanes;
-  class Alone;
-  std::unique_ptr<InLanes> in_lanes_;  ///< one of the two
-  std::unique_ptr<Alone> alone_;
+  void stop(LyapunovStop reason);
+  bool cancelled();
+  void announce(const TaskSlot& slot);
+  double count() const { return static_cast<double>(motions_.size()); }
+  std::int64_t round() const { return options_.interval * static_cast<std::int64_t>(motions_.size()); }
+  bool is_parting() const { return to_part_ > 0; }
+  void add(const CarriedMotions& carried, std::size_t periods, std::size_t threads);
+  void add_part(const CarriedMotions& carried, std::size_t begin, std::size_t count, std::size_t threads);
+  std::int64_t until_look() const;
+  void gather();
+  void look();
+  bool settled() const;
+  double interval_time() const;
+  double exponent(std::size_t i) const;
+  double standard_error(std::size_t i) const;
+
+  LyapunovOptions options_;
+  std::vector<MotionGrowth> motions_;
+  std::vector<Vector> states_;        ///< present ones of the motions
+  double forced_interval_;            ///< time of an interval; 0: autonomous
+  std::int64_t to_part_, uncounted_;  ///< periods left without tangents, and without counting
+  std::vector<char> lost_;            ///< directions that some motion has lost
+  std::vector<double> last_;          ///< exponents at the last look
+  std::size_t requested_ = 0;         ///< periods of each motion so far
+  bool open_, announced_ = false;
+  LyapunovSpectrum out_;
 };
 
 /// Periods in which neighbouring motions part in chaos, and the last of these, with a tangent, that align it: chaos aligns
 /// tangent vectors sooner than it separates motions.
 inline constexpr std::int64_t decorrelation_periods = 300, aligning_periods = 60;
-/// Starts of this many neighbouring motions at a parameter set, the first at `state`.
-std::vector<MotionStart> neighbouring_starts(std::size_t parameters, const Vector& state, int motions);
+/// Starts of neighbouring motions, the first at `state`; of motion i the first coordinate that may be moved differs by
+/// 1e-7 (1 + |x|) i.
+std::vector<Vector> neighbouring_starts(const HybridSystem& system, const Vector& p, const Vector& state, int motions);
 
-/// LyapunovOptions::motions for an average over possibly chaotic motion. enough_motions: for an average computed by itself, by
-/// the lanes or by Propagators. motions_in_shared_lanes: for one that shares the lanes with others; these fill the lanes, so that
-/// one motion is enough unless the average is long.
+/// LyapunovOptions::motions for an average over possibly chaotic motion. enough_motions: for an average computed by itself.
+/// motions_in_company: for one of many computed together; one motion is then enough unless the average is long.
 int enough_motions(const HybridSystem& system, const Vector& p, const LyapunovOptions& averaging);
-int motions_in_shared_lanes(const LyapunovOptions& averaging);
+int motions_in_company(const LyapunovOptions& averaging);
 
 }  // namespace graze

@@ -23,7 +23,7 @@ SweepOptions with_looks(SweepOptions options) {
   options.attractor.confirmed_below = short_average;
   LyapunovOptions& averaging = options.attractor.lyapunov;
   averaging.aligning = std::max(averaging.aligning, aligning_periods);
-  averaging.motions = std::max(averaging.motions, motions_in_shared_lanes(averaging));
+  averaging.motions = std::max(averaging.motions, motions_in_company(averaging));
   return options;
 }
 

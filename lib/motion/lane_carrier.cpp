@@ -78,8 +78,7 @@ LaneCarrier::LaneCarrier(const SharedSystem& system, const FlowOptions& options,
 }
 
 std::size_t motions_at_once(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
-  constexpr std::size_t in_lanes = 8;  // of the widest registers
-  return LaneCarrier::applies(system, p, options) ? in_lanes : 1;
+  return LaneCarrier::applies(system, p, options) ? motions_in_lanes : 1;
 }
 
 std::unique_ptr<LaneCarrier> make_lane_carrier(const SharedSystem& system, std::span<const Vector> sets,

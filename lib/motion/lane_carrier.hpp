@@ -185,7 +185,8 @@ class LaneCarrier {
   std::size_t left_over_ = 0, carried_ = 0;
 };
 
-/// Number of motions that one thread carries at once: several in lanes, or one by a Propagator.
+/// Number of motions that one thread carries at once: several in lanes (of the widest registers), or one by a Propagator.
+inline constexpr std::size_t motions_in_lanes = 8;
 std::size_t motions_at_once(const HybridSystem& system, const Vector& p, const FlowOptions& options = {});
 
 /// A carrier of motions in lanes, with these parameter sets at the indices 0, 1, ...; null if the lanes do not support the system

@@ -15,6 +15,8 @@ class LogProduct {
     sum_ += std::log(std::abs(product_));
     product_ = 1.0;
   }
+  /// Multiplies by e^log_factor.
+  void multiply_exp(double log_factor) { sum_ += log_factor; }
   /// -infinity if a factor was 0, NaN if one was NaN.
   double value() const { return sum_ + std::log(std::abs(product_)); }
 

@@ -41,7 +41,7 @@ template <class Watch, class Cancelled> MotionTask<bool> carry_watched(TaskSlot&
   Vector state(watch.state().size());
   while (watch.open()) {
     if (cancelled()) co_return false;
-    const std::size_t stretch = lane.in_lanes() ? next_batch(carried) : 1;
+    const std::size_t stretch = lane.batch(next_batch(carried));
     carried += stretch;
     const CarriedPeriods periods = co_await lane.carry(watch.state(), stretch);
     for (std::size_t k = 0; k < periods.size() && watch.open(); ++k) {

@@ -22,6 +22,8 @@ constexpr std::size_t work_of_turn = 512, fewest_periods = 4, most_periods = 32;
 /// A task with more forcing periods than this is probably a long one. The longest of these goes first, so that the pool need
 /// not wait for it alone in the end.
 constexpr std::size_t long_computation = 4096;
+/// Periods of each of several motions by Propagators that make threads worth while.
+constexpr std::size_t work_for_thread = 8;
 
 }  // namespace
 
@@ -29,21 +31,42 @@ LaneCarrier& TaskSlot::motions() const { return pool_->motions_; }
 
 const SharedSystem& TaskSlot::system() const { return motions().system(); }
 
+const FlowOptions& TaskSlot::flow() const { return motions().options(); }
+
 void TaskSlot::set_parameters(const Vector& p, bool alone) {
   const LaneCarrier& lanes = motions();
-  if (alone || pool_->alone_ || !LaneCarrier::applies(lanes.system(), p, lanes.options())) {
-    if (!propagator_ || propagator_->parameters() != p)
-      propagator_ = std::make_unique<Propagator>(lanes.system(), p, std::vector<std::size_t>{}, lanes.options());
+  alone_ = alone || pool_->alone_ || !LaneCarrier::applies(lanes.system(), p, lanes.options());
+  if (alone_) {
+    if (propagators_.empty() || propagators_.front()->parameters() != p) {
+      propagators_.clear();
+      propagators_.push_back(std::make_unique<Propagator>(lanes.system(), p, std::vector<std::size_t>{}, lanes.options()));
+    }
     results_.clear();
     return;
   }
-  propagator_.reset();
   if (!own_parameters_ || p != own_) {
     pool_->store_parameters(p, own_parameters_);
     own_ = p;
   }
   parameters_ = *own_parameters_;
 }
+
+void TaskSlot::expect(std::int64_t periods) const {
+  if (!alone_) motions().expect(parameters_, periods);
+}
+
+void TaskSlot::use(std::shared_ptr<const ContactTable> table) const {
+  if (!alone_) motions().use(parameters_, std::move(table));
+}
+
+std::size_t TaskSlot::batch(std::size_t most, std::size_t motions) const {
+  if (!alone_) return most;
+  return std::min<std::size_t>(most, motions > 1 ? work_for_thread : 1);
+}
+
+std::size_t TaskSlot::motions_at_once() const { return alone_ ? 1 : motions_in_lanes; }
+
+std::size_t TaskSlot::threads() const { return pool_->all_threads_ ? available_threads() : 1; }
 
 TaskSlot::Carrying TaskSlot::carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent) {
   tangent_ = tangent;
@@ -57,41 +80,59 @@ TaskSlot::Carrying TaskSlot::carry(std::span<const MotionStart> motions, std::si
 }
 
 TaskSlot::CarryingOne TaskSlot::carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds) {
-  return carry_one(state, periods, false, speeds);
-}
-
-TaskSlot::CarryingOne TaskSlot::carry_with_tangent(const Vector& state, std::size_t periods) {
-  return carry_one(state, periods, true, nullptr);
-}
-
-TaskSlot::CarryingOne TaskSlot::carry_one(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds) {
-  if (!in_lanes()) {
-    carry_alone(state, periods, tangent, speeds);
-  } else {
-    const MotionStart start = at(state);
-    carry({&start, 1}, periods, tangent);
-    runs_.front().speeds = speeds;
-  }
+  carry_some({&state, 1}, periods, false, speeds);
   return CarryingOne(*this);
 }
 
-void TaskSlot::carry_alone(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds) {
-  Transition transition;
-  ends_.assign(periods, {});
-  Vector at = state;
-  for (std::size_t k = 0; k < periods; ++k) {
-    carry_period(*propagator_, at,
-                 {.sensitivity = tangent ? Sensitivity::state : Sensitivity::none, .keep_events = speeds != nullptr}, transition);
-    ends_[k] = {transition.termination, transition.x1, tangent ? period_map(transition) : Matrix()};
-    if (transition.termination != Termination::time) {
-      std::fill(ends_.begin() + static_cast<std::ptrdiff_t>(k) + 1, ends_.end(), ends_[k]);
+TaskSlot::CarryingOne TaskSlot::carry_with_tangent(const Vector& state, std::size_t periods) {
+  carry_some({&state, 1}, periods, true, nullptr);
+  return CarryingOne(*this);
+}
+
+TaskSlot::CarryingSome TaskSlot::carry_all(const std::vector<Vector>& states, std::size_t periods, bool tangent) {
+  carry_some(states, periods, tangent, nullptr);
+  return {*this, periods};
+}
+
+/// `speeds`: of the first motion.
+void TaskSlot::carry_some(std::span<const Vector> states, std::size_t periods, bool tangent, ImpactSpeeds* speeds) {
+  if (alone_) return carry_alone(states, periods, tangent, speeds);
+  starts_.clear();
+  for (const Vector& state : states) starts_.push_back(at(state));
+  carry(starts_, periods, tangent);
+  runs_.front().speeds = speeds;
+}
+
+/// Carries each motion by its own Propagator.
+void TaskSlot::carry_alone(std::span<const Vector> states, std::size_t periods, bool tangent, ImpactSpeeds* speeds) {
+  const TransitionOptions options{.sensitivity = tangent ? Sensitivity::state : Sensitivity::none,
+                                  .keep_events = speeds != nullptr};
+  const Vector& p = propagator().parameters();
+  while (propagators_.size() < states.size())
+    propagators_.push_back(std::make_unique<Propagator>(system(), p, std::vector<std::size_t>{}, flow()));
+  ends_.resize(states.size() * periods);
+  const auto carry_motion = [&](std::size_t motion) {
+    const std::span<Transition> ends(ends_.data() + motion * periods, periods);
+    for (std::size_t k = 0; k < periods; ++k) {
+      carry_period(*propagators_[motion], k == 0 ? states[motion] : ends[k - 1].x1, options, ends[k]);
+      if (ends[k].termination == Termination::time) continue;
+      for (Transition& later : ends.subspan(k + 1)) later.termination = ends[k].termination;
       return;
     }
-    at = transition.x1;
-    if (!speeds) continue;
-    for (const EventRecord& event : transition.events)
-      if (begins_contact(event.kind)) speeds->add(*speeds, event.normal_speed);
-  }
+  };
+  const std::size_t parts = std::min(threads(), states.size());
+  in_parallel(parts, [&](std::size_t part) {
+    for (std::size_t m = part * states.size() / parts; m < (part + 1) * states.size() / parts; ++m) carry_motion(m);
+  });
+  if (!speeds) return;
+  for (const Transition& period : ends_)
+    for (const EventRecord& event : period.events)
+      if (period.termination == Termination::time && begins_contact(event.kind)) speeds->add(*speeds, event.normal_speed);
+}
+
+CarriedPeriods TaskSlot::carried() const {
+  if (!alone_) return CarriedPeriods(results_);
+  return {ends_, system()};
 }
 
 /// Resumes the task with its results.
@@ -128,7 +169,8 @@ void TaskPool::store_parameters(const Vector& p, std::optional<std::size_t>& pla
 void TaskPool::clear(TaskSlot& place) {
   if (place.own_parameters_) free_parameters_.push_back(*place.own_parameters_);
   place.own_parameters_.reset();
-  place.propagator_.reset();
+  place.propagators_.clear();
+  place.alone_ = false;
   place.urgent_ = false;
   place.requested_periods_ = 0;
   place.results_.clear();
@@ -180,6 +222,29 @@ void TaskPool::feed_lanes(TaskSlot::Run& run, std::size_t periods) {
   }
 }
 
+void TaskPool::use_all_threads() {
+  all_threads_ = true;
+  motions_.use_all_threads();
+}
+
+/// Carries the remaining periods of these runs, at a parameter set.
+void TaskPool::carry_rest(std::span<const TaskSlot::Run> runs, std::size_t set, bool tangent) {
+  rest_.clear();
+  for (const MotionRun& run : runs) {
+    MotionStart now = run.now();
+    now.parameters = set;
+    rest_.push_back({now, run.periods - run.carried, run.results + run.carried, run.speeds});
+  }
+  motions_.carry(rest_, tangent);
+}
+
+/// Carries the runs of the pool's only task to their ends.
+bool TaskPool::carry_whole(TaskSlot& place) {
+  carry_rest(place.runs_, place.parameters_, place.tangent_);
+  place.open_ = 0;
+  return true;
+}
+
 void TaskPool::run(std::size_t count, const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make) {
   std::size_t begun = 0;
   run([&](TaskSlot& lane, std::size_t carried) -> std::optional<MotionTask<>> {
@@ -218,9 +283,12 @@ void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, st
       help();
       continue;
     }
-    if (exchange_ && members.size() == 1 && lend(members.front()->place)) {
-      members.front()->place.resume();
-      continue;
+    if (members.size() == 1) {
+      TaskSlot& place = members.front()->place;
+      if (exchange_ ? lend(place) : carry_whole(place)) {
+        place.resume();
+        continue;
+      }
     }
     std::array<std::size_t, 2> motions{};  // without and with the tangent
     std::array<bool, 2> hurry{};
@@ -243,8 +311,9 @@ void run_tasks(const SharedSystem& system, const FlowOptions& options, bool all_
   const std::size_t parts = all_threads ? std::min(available_threads(), count) : 1;
   in_parallel(parts, [&](std::size_t part) {
     LaneCarrier lanes(system, options);
-    TaskPool(lanes).run((count - part + parts - 1) / parts,
-                        [&](std::size_t i, TaskSlot& slot) { return make(part + i * parts, slot); });
+    TaskPool pool(lanes);
+    if (all_threads && count == 1) pool.use_all_threads();
+    pool.run((count - part + parts - 1) / parts, [&](std::size_t i, TaskSlot& slot) { return make(part + i * parts, slot); });
   });
 }
 

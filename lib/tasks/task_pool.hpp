@@ -5,7 +5,7 @@
 // the same way for any system.
 #pragma once
 
-#include <graze/lib/motion/lane_carrier.hpp>
+#include <graze/lib/tasks/carried_periods.hpp>
 #include <graze/lib/tasks/task.hpp>
 
 #include <coroutine>
@@ -21,43 +21,6 @@ namespace graze {
 class TaskPool;
 class WorkSharing;
 
-/// End of a period carried by a Propagator.
-struct PeriodEnd {
-  Termination termination = Termination::failed;
-  Vector state;
-  Matrix map;  ///< first-order map of the period, if the request was with tangent
-};
-
-/// The periods of a motion carried for a task, in the order of time. Once the motion has ended, all further ones have the same
-/// termination. Valid until the next request of the task.
-class CarriedPeriods {
- public:
-  explicit CarriedPeriods(std::span<const PeriodResult> in_lanes) : in_lanes_(in_lanes) {}
-  explicit CarriedPeriods(std::span<const PeriodEnd> alone) : alone_(alone) {}
-
-  std::size_t size() const { return in_lanes_.size() + alone_.size(); }
-  Termination termination(std::size_t k) const { return alone_.empty() ? in_lanes_[k].termination : alone_[k].termination; }
-  /// Writes the state at the end of period k: at forcing phase 0, or right after a return.
-  void state(std::size_t k, Vector& x) const {
-    if (alone_.empty())
-      x << in_lanes_[k].x, in_lanes_[k].v;
-    else
-      x = alone_[k].state;
-  }
-  /// The first-order map of period k from state to state (n x n), of a request with tangent.
-  Matrix map(std::size_t k) const {
-    if (!alone_.empty()) return alone_[k].map;
-    const auto& Phi = in_lanes_[k].Phi;
-    return Matrix{{Phi[0], Phi[1]}, {Phi[2], Phi[3]}};
-  }
-  /// The results of periods carried in lanes; otherwise empty.
-  std::span<const PeriodResult> in_lanes() const { return in_lanes_; }
-
- private:
-  std::span<const PeriodResult> in_lanes_;
-  std::span<const PeriodEnd> alone_;
-};
-
 /// A task's slot in a pool: its requests and their results.
 class TaskSlot {
  public:
@@ -69,21 +32,33 @@ class TaskSlot {
   /// The same by the index of a parameter set of LaneCarrier.
   void set_parameters(std::size_t known) {
     parameters_ = known;
-    propagator_.reset();
+    alone_ = false;
   }
-  bool in_lanes() const { return propagator_ == nullptr; }
+  bool in_lanes() const { return !alone_; }
   /// Carries its motions if they are not carried in lanes.
-  Propagator& propagator() const { return *propagator_; }
+  Propagator& propagator() const { return *propagators_.front(); }
   std::size_t parameters() const { return parameters_; }
   LaneCarrier& motions() const;
-  /// Of all motions of the pool.
+  /// LaneCarrier::expect and use for its motions; without effect if they are not carried in lanes.
+  void expect(std::int64_t periods) const;
+  void use(std::shared_ptr<const ContactTable> table) const;
+  /// How many of `most` periods of each of some motions to request at once, if some may turn out to be in vain: all in lanes; by
+  /// Propagators few.
+  std::size_t batch(std::size_t most, std::size_t motions = 1) const;
+  /// Number of its motions that one thread carries at once (graze::motions_at_once).
+  std::size_t motions_at_once() const;
+  /// Number of threads that may work for the task.
+  std::size_t threads() const;
+  /// Of all motions of the pool, with their options.
   const SharedSystem& system() const;
+  const FlowOptions& flow() const;
   MotionStart at(const Vector& state) const { return {parameters_, state[0], state[1]}; }
   /// Sets whether others wait for its result: the task is then served every round, even in a small batch.
   void hurry(bool others_wait) { urgent_ = others_wait; }
 
   class Carrying;
   class CarryingOne;
+  class CarryingSome;
   /// co_await: the results of `periods` forcing periods of these motions in lanes at the slot's parameters, in the order of
   /// LaneCarrier::carry. They are valid until the next request.
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
@@ -91,8 +66,10 @@ class TaskSlot {
   std::span<const PeriodResult> results() const { return results_; }
   /// co_await: the next `periods` periods of the motion from `state`, in lanes or not.
   CarryingOne carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
-  /// The same with tangent, up to the period in which the motion ends.
+  /// The same with tangent.
   CarryingOne carry_with_tangent(const Vector& state, std::size_t periods);
+  /// The same of the motions from each of these states.
+  CarryingSome carry_all(const std::vector<Vector>& states, std::size_t periods, bool tangent);
 
  private:
   friend class TaskPool;
@@ -100,18 +77,21 @@ class TaskSlot {
     TaskSlot* place = nullptr;
   };
   void resume();
-  CarryingOne carry_one(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
-  void carry_alone(const Vector& state, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
+  void carry_some(std::span<const Vector> states, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
+  void carry_alone(std::span<const Vector> states, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
+  CarriedPeriods carried() const;
 
   TaskPool* pool_;
-  std::unique_ptr<Propagator> propagator_;  ///< null: in lanes
-  std::vector<PeriodEnd> ends_;             ///< of the present request, if not in lanes
+  bool alone_ = false;                                    ///< its motions are not carried in lanes
+  std::vector<std::unique_ptr<Propagator>> propagators_;  ///< of the first motion, the second ...; made when needed
+  std::vector<Transition> ends_;                          ///< of the present request, if not in lanes
   std::optional<std::size_t> own_parameters_;
   Vector own_;
   std::size_t parameters_ = 0;
   bool tangent_ = false, urgent_ = false;
   std::size_t requested_periods_ = 0;  ///< forcing periods requested so far
   std::vector<PeriodResult> results_;
+  std::vector<MotionStart> starts_;
   std::vector<Run> runs_;  ///< of the present request
   std::size_t open_ = 0;   ///< unfinished runs
   std::coroutine_handle<> waiting_;
@@ -131,10 +111,16 @@ class TaskSlot::Carrying {
 class TaskSlot::CarryingOne : public Carrying {
  public:
   using Carrying::Carrying;
-  CarriedPeriods await_resume() const noexcept {
-    return place_.in_lanes() ? CarriedPeriods(std::span<const PeriodResult>(place_.results_))
-                             : CarriedPeriods(std::span<const PeriodEnd>(place_.ends_));
-  }
+  CarriedPeriods await_resume() const noexcept { return place_.carried(); }
+};
+
+class TaskSlot::CarryingSome : public Carrying {
+ public:
+  CarryingSome(TaskSlot& place, std::size_t periods) : Carrying(place), periods_(periods) {}
+  CarriedMotions await_resume() const noexcept { return {place_.carried(), periods_}; }
+
+ private:
+  std::size_t periods_;
 };
 
 class TaskPool : RunSupply {
@@ -148,6 +134,8 @@ class TaskPool : RunSupply {
   void run(const std::function<std::optional<MotionTask<>>(TaskSlot&, std::size_t carried)>& next);
   /// Runs the tasks make(0, slot) ... make(count - 1, slot).
   void run(std::size_t count, const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make);
+  /// From now on, several motions of a task are distributed over all threads of the caller's arena.
+  void use_all_threads();
 
  private:
   friend class TaskSlot;
@@ -160,6 +148,8 @@ class TaskPool : RunSupply {
   bool lend(TaskSlot& place);
   void help();
   void carry_part(const Part& part);
+  void carry_rest(std::span<const TaskSlot::Run> runs, std::size_t set, bool tangent);
+  bool carry_whole(TaskSlot& place);
   std::size_t set_for(const SharedRuns& lent);
   static const TaskSlot* longest_task(std::span<const std::unique_ptr<Member>> members);
   bool hurries(const TaskSlot& place) const { return place.urgent_ || &place == longest_; }
@@ -175,17 +165,18 @@ class TaskPool : RunSupply {
   LaneCarrier& motions_;
   WorkSharing* exchange_;
   bool alone_ = false;                        ///< the motions are not carried in lanes
+  bool all_threads_ = false;                  ///< they are distributed over all threads
   std::vector<std::size_t> free_parameters_;  ///< indices of unused parameter sets
   std::vector<MotionRun*> runs_;              ///< at the beginning of a turn
   std::optional<std::size_t> shared_set_;     ///< parameter set for runs that another pool shares
-  std::vector<MotionRun> shared_;             ///< runs of another pool that this one carries
+  std::vector<MotionRun> rest_;               ///< runs that are carried to their ends
   const TaskSlot* longest_ = nullptr;         ///< slot of the task that goes first
   bool tangent_ = false;                      ///< of the present turn
   std::size_t share_ = 0, left_ = 0;          ///< quotas of periods: of each run at a time, and left to all runs in the turn
 };
 
 /// Runs the tasks make(0, slot) ... make(count - 1, slot) on pools of their own: one, or one for each thread of the caller's
-/// arena. The results do not depend on it.
+/// arena. (All threads may carry the motions of a single task.) The results do not depend on it.
 void run_tasks(const SharedSystem& system, const FlowOptions& options, bool all_threads, std::size_t count,
                const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make);
 

@@ -141,14 +141,8 @@ void TaskPool::carry_part(const Part& part) {
   std::exception_ptr error;
   try {
     const std::size_t set = of->by == this ? of->parameters : set_for(*of), count = of->runs.size();
-    shared_.clear();
-    for (std::size_t m = number * count / of->parts; m < (number + 1) * count / of->parts; ++m) {
-      const MotionRun& run = of->runs[m];
-      MotionStart now = run.now();
-      now.parameters = set;
-      shared_.push_back({now, run.periods - run.carried, run.results + run.carried, run.speeds});
-    }
-    motions_.carry(shared_, of->tangent);
+    const std::size_t begin = number * count / of->parts, end = (number + 1) * count / of->parts;
+    carry_rest(std::span(of->runs).subspan(begin, end - begin), set, of->tangent);
   } catch (...) {
     error = std::current_exception();
   }

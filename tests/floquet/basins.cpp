@@ -3,7 +3,7 @@
 // interruptions.
 #include <graze/floquet/attractor/settle.hpp>
 #include <graze/floquet/basins/basins.hpp>
-#include <graze/floquet/basins/contact_table_probe.hpp>
+#include <graze/floquet/basins/probed_contacts.hpp>
 #include <graze/lib/models/oscillator.hpp>
 
 #include "support/checks.hpp"
@@ -312,7 +312,7 @@ TEST_CASE("misuse of basins is refused in one sentence") {
 TEST_CASE("a table of contacts is made for many starts whose motions do not settle soon") {
   const HybridSystem system = make_oscillator("linear", "hertz"), hard = make_oscillator("linear", "newton");
   const auto has_table = [](const HybridSystem& of, const Vector& p, int n) {
-    return ContactTableProbe(of, p, grid(n)).table() != nullptr;
+    return probed_contacts(of, p, grid(n)) != nullptr;
   };
   const Vector settles = parameters(system, {{"eta", 0.95}, {"b_H", 0.1}}),
                chaos = parameters(system, {{"eta", 0.711}, {"b_H", 0.1}});

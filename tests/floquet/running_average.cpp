@@ -20,9 +20,21 @@ namespace {
 
 /// In lanes, also for one motion.
 LyapunovSpectrum spectrum_in_lanes(const HybridSystem& system, const AverageStart& start, const LyapunovOptions& options) {
-  LaneCarrier many(system, options.flow);
-  many.add_parameters(start.p);
-  return lane_spectrum(many, start.state, options);
+  LyapunovSpectrum out;
+  run_tasks(system, options.flow, options.all_threads, 1, [&](std::size_t, TaskSlot& slot) -> MotionTask<> {
+    slot.set_parameters(start.p);
+    CHECK(slot.in_lanes());
+    RunningAverage average(slot, start, options);
+    co_await average.carry(slot, options.max_periods + 1);
+    out = std::move(average).result();
+  });
+  return out;
+}
+
+/// By Propagators.
+LyapunovSpectrum spectrum_one_by_one(const HybridSystem& system, const AverageStart& start, LyapunovOptions options) {
+  options.flow.kind = FlowKind::alone;
+  return lyapunov_spectrum(system, start.p, start.state, options);
 }
 
 }  // namespace
@@ -88,9 +100,9 @@ TEST_CASE("several motions by Propagators average over the same attractor as one
   options.interval = 2;
   options.aligning = 100;
   options.max_periods = 24000;
-  const LyapunovSpectrum one = frame_spectrum(system, {p, state}, options);
+  const LyapunovSpectrum one = spectrum_one_by_one(system, {p, state}, options);
   options.motions = 4;
-  const LyapunovSpectrum four = frame_spectrum(system, {p, state}, options);
+  const LyapunovSpectrum four = spectrum_one_by_one(system, {p, state}, options);
   const LyapunovSpectrum lanes = spectrum_in_lanes(system, {p, state}, options);
   CHECK(one.others.empty());
   CHECK(four.others.size() == 3);
@@ -107,7 +119,7 @@ TEST_CASE("several motions by Propagators average over the same attractor as one
   CHECK(four.liouville_residual < 1e-10);
   options.all_threads = true;
   LyapunovSpectrum several;
-  oneapi::tbb::task_arena(2).execute([&] { several = frame_spectrum(system, {p, state}, options); });
+  oneapi::tbb::task_arena(2).execute([&] { several = spectrum_one_by_one(system, {p, state}, options); });
   CHECK(several.exponents == four.exponents);
   CHECK(several.standard_errors == four.standard_errors);
   CHECK(several.others == four.others);
@@ -206,7 +218,7 @@ TEST_CASE("one motion in lanes has the exponents of the scalar computation") {
   LaneCarrier many(system);
   const auto average = [&](std::size_t k, TaskSlot& lane) -> MotionTask<> {
     lane.set_parameters(starts[k].p);
-    RunningAverage one(lane, system, starts[k], options);
+    RunningAverage one(lane, starts[k], options);
     const bool open = co_await one.carry(lane, 40);
     CHECK(open);
     co_await one.carry(lane, 1000);

@@ -287,7 +287,7 @@ TEST_CASE("of many computations the longest one gets ahead of the others and kee
       own += periods;
       (first ? of_first : of_others) += periods;
       speeds += list.list().size();
-      for (const PeriodResult& period : next.in_lanes()) impacts += written ? static_cast<std::size_t>(period.impacts) : 0;
+      for (std::size_t k = 0; k < next.size(); ++k) impacts += written ? static_cast<std::size_t>(next.impacts(k)) : 0;
     }
   };
   LaneCarrier many(system);

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/floquet/exponents/motion_growth.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace graze {
+
+namespace {
+
+/// Number of growths that are added to the means at a time.
+constexpr std::size_t many_growths = 64;
+
+double square(double x) { return x * x; }
+
+std::variant<TangentPair, TangentFrame> tangents_of(std::size_t states) {
+  if (states == 2) return TangentPair();
+  return TangentFrame(states);
+}
+
+}  // namespace
+
+double ReturnTimes::error(std::size_t direction, const BatchMeans& growth, double rate) const {
+  const double g = square(growth.standard_error()), t = square(times_.standard_error());
+  if (!std::isfinite(g)) return g;
+  const double both = square(sums_[direction].standard_error());
+  return std::sqrt(std::max(0.0, g + rate * rate * t - rate * (both - g - t)));
+}
+
+MotionGrowth::MotionGrowth(Vector start, bool is_forced)
+    : state_(std::move(start)), is_forced_(is_forced), tangents_(tangents_of(static_cast<std::size_t>(state_.size()))),
+      means_(static_cast<std::size_t>(state_.size())), lost_(means_.size(), 0), times_(means_.size()), grown_(means_.size()) {}
+
+void MotionGrowth::add(const CarriedPeriods& periods, Kind kind, int interval) {
+  std::visit([&](auto& tangents) { add_to(tangents, periods, kind, interval); }, tangents_);
+}
+
+template <class Tangents> void MotionGrowth::add_to(Tangents& tangents, const CarriedPeriods& periods, Kind kind, int interval) {
+  std::size_t carried = 0;
+  for (; carried < periods.size() && termination_ == Termination::time; ++carried) {
+    termination_ = periods.termination(carried);
+    if (termination_ != Termination::time) break;
+    if (kind == Kind::aligning) tangents.align(periods, carried);
+    if (kind != Kind::counted) continue;
+    tangents.advance(periods, carried);
+    periods.multiply_determinant(carried, determinant_);
+    liouville_ += periods.liouville(carried);
+    lost_now_ = std::max(lost_now_, periods.lost(carried));
+    time_ += periods.duration(carried);
+    impacts_ += periods.impacts(carried);
+    if (++periods_ == interval) end_interval(tangents, interval);
+  }
+  if (carried > 0) periods.state(carried - 1, state_);
+  if (kind == Kind::aligning) tangents.begin_counting();
+  grown_to_means();
+}
+
+template <class Tangents> void MotionGrowth::end_interval(Tangents& tangents, int interval) {
+  const std::span<const double> growths = tangents.growths({determinant_.value(), liouville_, lost_now_});
+  if (!is_forced_) times_.add(time_);
+  for (std::size_t i = 0; i < growths.size(); ++i) {
+    lost_[i] = lost_[i] || !std::isfinite(growths[i]);
+    if (lost_[i]) continue;
+    grown_[i].push_back(growths[i]);
+    if (!is_forced_) times_.add_growth(i, growths[i]);
+  }
+  if (grown_.front().size() == many_growths) grown_to_means();
+  averaged_ += interval;
+  log_volume_ += liouville_;
+  if (const double sum = tangents.measured_sum(); std::isfinite(sum) && std::isfinite(liouville_))
+    liouville_residual_ = std::max(liouville_residual_, std::abs(sum - liouville_) / interval);
+  determinant_ = {};
+  liouville_ = time_ = 0.0;
+  lost_now_ = periods_ = 0;
+}
+
+void MotionGrowth::grown_to_means() {
+  for (std::size_t i = 0; i < grown_.size(); ++i) {
+    means_[i].add(grown_[i]);
+    grown_[i].clear();
+  }
+}
+
+}  // namespace graze
