@@ -9,9 +9,6 @@ namespace graze {
 
 namespace {
 
-/// Number of growths that are added to the means at a time.
-constexpr std::size_t many_growths = 64;
-
 double square(double x) { return x * x; }
 
 std::variant<TangentPair, TangentFrame> tangents_of(std::size_t states) {
@@ -30,7 +27,7 @@ double ReturnTimes::error(std::size_t direction, const BatchMeans& growth, doubl
 
 MotionGrowth::MotionGrowth(Vector start, bool is_forced)
     : state_(std::move(start)), is_forced_(is_forced), tangents_(tangents_of(static_cast<std::size_t>(state_.size()))),
-      means_(static_cast<std::size_t>(state_.size())), lost_(means_.size(), 0), times_(means_.size()), grown_(means_.size()) {}
+      directions_(static_cast<std::size_t>(state_.size())), times_(directions_.size()) {}
 
 void MotionGrowth::add(const CarriedPeriods& periods, Kind kind, int interval) {
   std::visit([&](auto& tangents) { add_to(tangents, periods, kind, interval); }, tangents_);
@@ -57,15 +54,16 @@ template <class Tangents> void MotionGrowth::add_to(Tangents& tangents, const Ca
 }
 
 template <class Tangents> void MotionGrowth::end_interval(Tangents& tangents, int interval) {
-  const std::span<const double> growths = tangents.growths({determinant_.value(), liouville_, lost_now_});
+  const auto& growths = tangents.growths({determinant_.value(), liouville_, lost_now_});
   if (!is_forced_) times_.add(time_);
   for (std::size_t i = 0; i < growths.size(); ++i) {
-    lost_[i] = lost_[i] || !std::isfinite(growths[i]);
-    if (lost_[i]) continue;
-    grown_[i].push_back(growths[i]);
+    Direction& one = directions_[i];
+    one.lost = one.lost || !std::isfinite(growths[i]);
+    if (one.lost) continue;
+    one.grown[one.count++] = growths[i];
+    if (one.count == one.grown.size()) grown_to_means();
     if (!is_forced_) times_.add_growth(i, growths[i]);
   }
-  if (grown_.front().size() == many_growths) grown_to_means();
   averaged_ += interval;
   log_volume_ += liouville_;
   if (const double sum = tangents.measured_sum(); std::isfinite(sum) && std::isfinite(liouville_))
@@ -76,9 +74,9 @@ template <class Tangents> void MotionGrowth::end_interval(Tangents& tangents, in
 }
 
 void MotionGrowth::grown_to_means() {
-  for (std::size_t i = 0; i < grown_.size(); ++i) {
-    means_[i].add(grown_[i]);
-    grown_[i].clear();
+  for (Direction& one : directions_) {
+    one.means.add(std::span(one.grown).first(one.count));
+    one.count = 0;
   }
 }
 

@@ -6,6 +6,8 @@
 #include <graze/lib/numerics/batch_means.hpp>
 #include <graze/lib/numerics/log_product.hpp>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <variant>
 #include <vector>
@@ -51,8 +53,8 @@ class MotionGrowth {
   const ReturnTimes* times() const { return is_forced_ ? nullptr : &times_; }
   /// Means of the growth of a direction from one orthonormalisation to the next. A direction is lost if its growth was not finite
   /// (a vector that fell to zero, or NaN).
-  const BatchMeans& means(std::size_t direction) const { return means_[direction]; }
-  bool lost(std::size_t direction) const { return lost_[direction] != 0; }
+  const BatchMeans& means(std::size_t direction) const { return directions_[direction].means; }
+  bool lost(std::size_t direction) const { return directions_[direction].lost; }
   /// Periods since the last orthonormalisation; averaged periods up to it; impacts in all counted periods.
   int periods_open() const { return periods_; }
   std::int64_t averaged() const { return averaged_; }
@@ -71,11 +73,15 @@ class MotionGrowth {
   bool is_forced_;
   Termination termination_ = Termination::time;
   std::variant<TangentPair, TangentFrame> tangents_;
-  std::vector<BatchMeans> means_;
-  std::vector<char> lost_;
+  struct Direction {
+    BatchMeans means;
+    bool lost = false;
+    std::array<double, 64> grown{};  ///< growths on their way to the means, together: half the time of one by one
+    std::size_t count = 0;           ///< of these
+  };
+  std::vector<Direction> directions_;
   ReturnTimes times_;
-  std::vector<std::vector<double>> grown_;  ///< growths of each direction on their way to its means
-  LogProduct determinant_;                  ///< since the last orthonormalisation, as are these:
+  LogProduct determinant_;  ///< since the last orthonormalisation, as are these:
   double liouville_ = 0.0, time_ = 0.0;
   int lost_now_ = 0, periods_ = 0;
   std::int64_t averaged_ = 0, impacts_ = 0;

@@ -29,23 +29,12 @@ Vector remainders(const Matrix& columns, const Eigen::HouseholderQR<Matrix>& qr)
 
 }  // namespace
 
-double TangentPair::log_length() const { return 0.5 * std::log(c_ * c_ + s_ * s_); }
-
 void TangentPair::shorten() {
   const double length = std::hypot(c_, s_);
   const bool is_direction = length > 0.0 && std::isfinite(length);
   log_before_ = is_direction ? log_before_ - std::log(length) : std::numeric_limits<double>::infinity();
   c_ = is_direction ? c_ / length : 1.0;
   s_ = is_direction ? s_ / length : 0.0;
-}
-
-std::span<const double> TangentPair::growths(const VolumeChange& change) {
-  const double log_now = log_length(), first = log_now - log_before_;
-  const bool is_measured = std::isfinite(change.log_det);
-  growths_ = {first, (is_measured ? change.log_det : change.liouville) - first};
-  measured_sum_ = is_measured ? change.log_det : std::numeric_limits<double>::quiet_NaN();
-  log_before_ = log_now;
-  return growths_;
 }
 
 TangentFrame::TangentFrame(std::size_t directions)

@@ -7,6 +7,8 @@
 #include <graze/lib/tasks/carried_periods.hpp>
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,12 +39,19 @@ class TangentPair {
   /// The growths are counted from here on.
   void begin_counting() { log_before_ = log_length(); }
   /// ln of the growth of each direction since the last call, which are orthonormal again; not finite for a lost one.
-  std::span<const double> growths(const VolumeChange& change);
+  const std::array<double, 2>& growths(const VolumeChange& change) {
+    const double log_now = log_length(), first = log_now - log_before_;
+    const bool is_measured = std::isfinite(change.log_det);
+    growths_ = {first, (is_measured ? change.log_det : change.liouville) - first};
+    measured_sum_ = is_measured ? change.log_det : std::numeric_limits<double>::quiet_NaN();
+    log_before_ = log_now;
+    return growths_;
+  }
   /// The sum of the last growths, for a check against Liouville's identity; NaN if it was computed from that identity.
   double measured_sum() const { return measured_sum_; }
 
  private:
-  double log_length() const;
+  double log_length() const { return 0.5 * std::log(c_ * c_ + s_ * s_); }
   void shorten();
 
   double c_ = 1.0, s_ = 0.0;
