@@ -23,7 +23,7 @@ MotionTask<RowChain::Found> SettlingChain::find(TaskSlot& slot, Begin begin, std
   for (const Vector& start : starts) {
     if (!mode_at(system_, 0.0, start, p)) continue;
     Attractor& attractor = out.point.attractor;
-    attractor = co_await approach_attractor(slot, system_, p, start, settling);
+    attractor = co_await approach_attractor(slot, p, start, settling);
     if (attractor.termination != Termination::time) continue;
     out.point.end = attractor.state;
     if (!attractor.orbit) break;

@@ -13,9 +13,7 @@ namespace graze {
 
 class TaskSlot;
 
-MotionTask<Attractor> approach_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& start,
-                                         const AttractorOptions& options);
-MotionTask<> average_on_attractor(TaskSlot& lane, const HybridSystem& system, const Vector& p, Attractor& attractor,
-                                  const AttractorOptions& options);
+MotionTask<Attractor> approach_attractor(TaskSlot& slot, const Vector& p, const Vector& start, const AttractorOptions& options);
+MotionTask<> average_on_attractor(TaskSlot& slot, const Vector& p, Attractor& attractor, const AttractorOptions& options);
 
 }  // namespace graze

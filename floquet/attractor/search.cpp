@@ -347,7 +347,7 @@ void check_box(const HybridSystem& system, const Vector& lower, const Vector& up
 MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
                        std::shared_ptr<const StableOrbit>& reached) {
   if (!mode_at(system, 0.0, start.state, start.p)) co_return;
-  const Attractor attractor = co_await approach_attractor(lane, system, start.p, start.state, settling);
+  const Attractor attractor = co_await approach_attractor(lane, start.p, start.state, settling);
   reached = attractor.orbit;
 }
 

@@ -3,11 +3,8 @@
 #include <graze/floquet/attractor/near_doubling.hpp>
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
-#include <graze/floquet/orbit/lane_orbits.hpp>
-#include <graze/floquet/orbit/returns.hpp>
-#include <graze/floquet/orbit/stroboscopic_states.hpp>
 #include <graze/lib/motion/rest.hpp>
-#include <graze/lib/numerics/decompositions.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/observe.hpp>
 
 #include <algorithm>
@@ -43,6 +40,8 @@ constexpr int growth_test_periods = 128;
 /// attempts.
 constexpr int quick_halvings = 6;
 
+constexpr double any_growth = std::numeric_limits<double>::infinity();
+
 /// Number of returns that look_for_orbit tries.
 constexpr std::size_t most_tries = 3;
 
@@ -70,23 +69,6 @@ class NearOrbit {
 /// A motion of a conservative system approaches no orbit: it is on the orbit, up to rounding, or it is not.
 bool is_on(const std::vector<Vector>& orbit, const Vector& x) {
   return nearest_distance(orbit, x) < DistanceWatch::rounding_distance * (1.0 + state_size(x));
-}
-
-/// The largest modulus of the eigenvalues of A; NaN if A is not finite.
-double spectral_radius(const Matrix& A) {
-  if (!A.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-  return eigenvalues(A).cwiseAbs().maxCoeff();
-}
-
-/// Growth of the tangent along one period from each of these states, multiplied.
-double growth_along(Propagator& propagator, const std::vector<Vector>& states) {
-  Matrix growth = Matrix::Identity(states.front().size(), states.front().size());
-  Transition transition;
-  for (const Vector& state : states) {
-    carry_period(propagator, state, {.sensitivity = Sensitivity::state}, transition);
-    growth = period_map(transition) * growth;
-  }
-  return spectral_radius(growth);
 }
 
 /// Longer returns are mostly chance, unless the motion has settled: they must be closer by this factor.
@@ -145,88 +127,23 @@ std::optional<PeriodicOrbit> resting_orbit(Propagator& propagator, const Vector&
 
 namespace {
 
-/// The problem in which an orbit is sought, at the parameters p of a slot.
-struct Search {
-  const HybridSystem& system;
-  const Vector& p;
-};
-
 /// While it exists, a Propagator carries the slot's motions.
 class OneByOne {
  public:
-  OneByOne(TaskSlot& slot, const Vector& p) : slot_(slot), set_(slot.parameters()), from_lanes_(slot.in_lanes()) {
-    if (from_lanes_) slot.set_parameters(p, true);
+  explicit OneByOne(TaskSlot& slot) : slot_(slot), p_(slot.p()), from_lanes_(slot.in_lanes()) {
+    if (from_lanes_) slot.set_parameters(p_, true);
   }
   OneByOne(const OneByOne&) = delete;
   OneByOne& operator=(const OneByOne&) = delete;
   ~OneByOne() {
-    if (from_lanes_) slot_.set_parameters(set_);
+    if (from_lanes_) slot_.set_parameters(p_);
   }
 
  private:
   TaskSlot& slot_;
-  std::size_t set_;
+  Vector p_;
   bool from_lanes_;
 };
-
-/// Result of Newton's method from a guess: in lanes, or by shoot().
-struct Shot {
-  bool converged = false;
-  bool given_up = false;  ///< at once, because the tangent along the guess grows too much
-  bool delicate = false;  ///< the lanes leave it to the Propagator
-  bool holds = false;     ///< it is stable or neutral, and a motion
-  std::complex<double> multiplier = std::numeric_limits<double>::quiet_NaN();  ///< the first; NaN: unknown
-  StableOrbit orbit = {};                                                      ///< if it converged
-};
-
-Shot shot_of(const Search& search, const LaneOrbit& found) {
-  Shot shot;
-  shot.converged = found.converged;
-  shot.given_up = found.given_up;
-  if (!shot.converged) return shot;
-  shot.delicate = found.delicate;
-  shot.holds = found.stable();
-  shot.multiplier = found.multipliers[0];
-  StableOrbit& orbit = shot.orbit;
-  orbit.period = static_cast<int>(found.states.size());
-  orbit.duration = orbit.period * forcing_period(search.system, search.p);
-  std::transform(found.states.begin(), found.states.end(), std::back_inserter(orbit.states), vector_of);
-  orbit.impacts = orbit.isolated_impacts = found.impacts;  // the lanes leave sticking orbits to shoot()
-  orbit.multipliers = multipliers_of_values({found.multipliers.begin(), found.multipliers.end()}, orbit.duration);
-  return shot;
-}
-Shot shot_of(PeriodicOrbit found) {
-  Shot shot;
-  shot.converged = found.converged();
-  if (!shot.converged) return shot;
-  shot.holds = (found.stable() || found.neutral()) && found.admissible == Admissibility::admissible;
-  if (found.multipliers.valid) shot.multiplier = found.multipliers.values.front();
-  shot.orbit = StableOrbit(std::move(found));
-  return shot;
-}
-
-/// Newton's method from a guess, as the slot carries its motions. It is not tried if the tangent along the guess grows by more
-/// than most_growth.
-MotionTask<Shot> shoot_from(TaskSlot& slot, const Search& search, const std::vector<Vector>& guess, double most_growth) {
-  if (slot.in_lanes()) {
-    LaneGuess from = guess_of(slot.parameters(), guess);
-    const LanePatience patience{most_growth, quick_halvings};
-    const LaneOrbit found = co_await shoot_in_lanes(slot, std::move(from.states), patience);
-    co_return shot_of(search, found);
-  }
-  Shot shot;
-  shot.given_up = std::isfinite(most_growth) && growth_along(slot.propagator(), guess) > most_growth;
-  if (shot.given_up) co_return shot;
-  ShootingOptions shooting;
-  shooting.flow = slot.propagator().options();
-  shooting.max_halvings = quick_halvings;
-  if (is_forced(search.system)) {
-    shot = shot_of(shoot(search.system, search.p, guess, static_cast<int>(guess.size()), shooting));
-  } else {
-    shot = shot_of(at_returns(search.system, shoot_returns(slot.propagator(), guess, shooting), guess.front()));
-  }
-  co_return shot;
-}
 
 /// Whether the orbit to which Newton's method converged may be the one on which the motion at `state` is settling. `delicate`:
 /// the lanes leave it to the Propagator.
@@ -240,9 +157,9 @@ Verdict verdict(const Shot& shot, const Vector& state) {
 }
 
 /// The states of a motion after 0, 1, ... `periods` periods; fewer if it ends.
-MotionTask<std::vector<Vector>> next_states(TaskSlot& lane, const Vector& state, int periods) {
+MotionTask<std::vector<Vector>> next_states(TaskSlot& slot, const Vector& state, int periods) {
   std::vector<Vector> states{state};
-  const CarriedPeriods carried = co_await lane.carry(state, static_cast<std::size_t>(std::max(0, periods)));
+  const CarriedPeriods carried = co_await slot.carry(state, static_cast<std::size_t>(std::max(0, periods)));
   Vector end(state.size());
   for (std::size_t k = 0; k < carried.size() && carried.termination(k) == Termination::time; ++k) {
     carried.state(k, end);
@@ -252,16 +169,18 @@ MotionTask<std::vector<Vector>> next_states(TaskSlot& lane, const Vector& state,
 }
 
 /// The orbit to which Newton's method converges from the states around a return, or from a guess next to a period doubling.
-MotionTask<Shot> shoot_next_to_doubling(TaskSlot& slot, const Search& search, const std::vector<Vector>& around,
-                                        double most_growth) {
-  const auto in_front_of_barriers = [&](const std::vector<Vector>& guess) {
-    return std::all_of(guess.begin(), guess.end(),
-                       [&](const Vector& x) { return mode_at(search.system, 0.0, x, search.p).has_value(); });
-  };
-  Shot shot = co_await shoot_from(slot, search, around, most_growth);
+/// `first`: that from the states around the return; null if it is not known.
+MotionTask<Shot> shoot_next_to_doubling(TaskSlot& slot, const std::vector<Vector>& around, double most_growth,
+                                        const Shot* first) {
+  const NewtonPatience patience{most_growth, quick_halvings}, at_doubling{growth_at_doubling, quick_halvings};
+  Shot shot;
+  if (first)
+    shot = *first;
+  else
+    shot = co_await shoot_from(slot, around, patience);
   if (!shot.converged && !shot.given_up)
-    if (const std::vector<Vector> half = between_halves(around, near_halves); !half.empty() && in_front_of_barriers(half))
-      shot = co_await shoot_from(slot, search, half, growth_at_doubling);
+    if (const std::vector<Vector> half = between_halves(around, near_halves); !half.empty())
+      shot = co_await shoot_from(slot, half, at_doubling);
   if (!shot.converged) co_return shot;
   const std::vector<Vector> single = shot.orbit.states;
   if (has_doubled(single.size(), shot.multiplier, around.size())) {
@@ -269,7 +188,7 @@ MotionTask<Shot> shoot_next_to_doubling(TaskSlot& slot, const Search& search, co
     const std::vector<Vector> motion = co_await next_states(slot, around.front(), static_cast<int>(three_times));
     if (motion.size() <= three_times) co_return shot;
     const std::vector<Vector> doubled = doubled_states(single, shot.multiplier.real(), motion);
-    if (!doubled.empty() && in_front_of_barriers(doubled)) shot = co_await shoot_from(slot, search, doubled, most_growth);
+    if (!doubled.empty()) shot = co_await shoot_from(slot, doubled, patience);
   }
   co_return shot;
 }
@@ -289,9 +208,9 @@ struct Recognised {
   Verdict verdict = Verdict::no;
   StableOrbit orbit = {};
 };
-MotionTask<Recognised> recognise(TaskSlot& slot, const Search& search, const std::vector<Vector>& around, double most_growth,
-                                 RefusedOrbits& refused) {
-  Shot shot = co_await shoot_next_to_doubling(slot, search, around, most_growth);
+MotionTask<Recognised> recognise(TaskSlot& slot, const std::vector<Vector>& around, double most_growth, RefusedOrbits& refused,
+                                 const Shot* first = nullptr) {
+  Shot shot = co_await shoot_next_to_doubling(slot, around, most_growth, first);
   Recognised found;
   found.verdict = verdict(shot, around.front());
   if (found.verdict != Verdict::yes) co_return found;
@@ -305,30 +224,58 @@ MotionTask<Recognised> recognise(TaskSlot& slot, const Search& search, const std
   co_return found;
 }
 
-constexpr double any_growth = std::numeric_limits<double>::infinity();
-
 /// The stable orbit near the states around a return, if the motion approaches it: as the slot carries its motions, in delicate
 /// cases by a Propagator.
-MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& slot, const Search& search, const std::vector<Vector>& around,
-                                                    RefusedOrbits& passed_by) {
-  Recognised found = co_await recognise(slot, search, around, max_growth_of_return, passed_by);
+MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& slot, const std::vector<Vector>& around, double most_growth,
+                                                    RefusedOrbits& passed_by, const Shot* first = nullptr) {
+  Recognised found = co_await recognise(slot, around, most_growth, passed_by, first);
   if (found.verdict == Verdict::delicate) {
-    const OneByOne alone(slot, search.p);
-    found = co_await recognise(slot, search, around, any_growth, passed_by);
+    const OneByOne alone(slot);
+    found = co_await recognise(slot, around, any_growth, passed_by);
   }
   if (found.verdict != Verdict::yes) co_return std::nullopt;
   co_return std::move(found.orbit);
 }
 
-MotionTask<OrbitSearchResult> look(TaskSlot& lane, const Search& search, const Vector& state, int max_period, double nearness,
+/// Those of an exhaustive search: Newton's method runs from many guesses at once. Chaos has many returns, most of them to
+/// unstable orbits, which are not looked at any closer.
+MotionTask<std::optional<StableOrbit>> orbit_around_any(TaskSlot& slot, const std::vector<std::vector<Vector>>& guesses,
+                                                        bool all_threads, RefusedOrbits& refused) {
+  const SharedSystem& system = slot.system();
+  const std::size_t together =
+      motions_at_once(system, slot.p(), slot.flow()) * (all_threads ? available_threads() : std::size_t{1});
+  const auto can_be_skipped = [&](const Shot& shot, const std::vector<Vector>& around) {
+    if (!shot.converged) return between_halves(around, near_halves).empty();
+    if (has_doubled(shot.orbit.states.size(), shot.multiplier, around.size())) return false;
+    return verdict(shot, around.front()) == Verdict::no || refused.knows(shot.orbit.states, around.front());
+  };
+  for (std::size_t begin = 0; begin < guesses.size(); begin += together) {
+    std::vector<Shot> shots(std::min(together, guesses.size() - begin));
+    run_tasks(system, slot.flow(), all_threads, shots.size(), [&](std::size_t i, TaskSlot& one) -> MotionTask<> {
+      one.set_parameters(slot.p());
+      const NewtonPatience patience{any_growth, quick_halvings};
+      shots[i] = co_await shoot_from(one, guesses[begin + i], patience);
+    });
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+      const std::vector<Vector>& around = guesses[begin + i];
+      if (can_be_skipped(shots[i], around)) continue;
+      const Shot* const first = shots[i].by_propagator ? &shots[i] : nullptr;
+      if (auto orbit = co_await orbit_around(slot, around, any_growth, refused, first)) co_return orbit;
+    }
+  }
+  co_return std::nullopt;
+}
+
+/// The search among the closest returns.
+MotionTask<OrbitSearchResult> look(TaskSlot& slot, const Vector& state, int max_period, double nearness,
                                    RefusedOrbits& passed_by) {
   OrbitSearchResult out;
-  const std::vector<Vector> states = co_await next_states(lane, state, max_period);
+  const std::vector<Vector> states = co_await next_states(slot, state, max_period);
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   if (!returns.empty()) out.closest = returns.front();
   for (const int n : returns_to_try(returns)) {
     const std::vector<Vector> around(states.begin(), states.begin() + n);
-    out.orbit = co_await orbit_around(lane, search, around, passed_by);
+    out.orbit = co_await orbit_around(slot, around, max_growth_of_return, passed_by);
     if (out.orbit) break;
   }
   co_return out;
@@ -343,106 +290,83 @@ bool closer_than_divisors(const std::vector<double>& distances) {
   return true;
 }
 
-/// The stable orbit on which the motion at `state` is settling, by trying all its returns that may have settled. The slot's
-/// motions are carried by a Propagator.
-MotionTask<std::optional<StableOrbit>> orbit_of_any_return(TaskSlot& slot, const Search& search, const Vector& state,
-                                                           int max_period, bool all_threads) {
-  Propagator& propagator = slot.propagator();
-  const double scale = 1.0 + state.lpNorm<Eigen::Infinity>();
+/// The exhaustive search: all returns that may have settled. The slot's motions are carried by a Propagator.
+MotionTask<std::optional<StableOrbit>> look_at_all(TaskSlot& slot, const Vector& state, int max_period, bool all_threads) {
+  const double scale = 1.0 + state_size(state);
   std::vector<Vector> states{state};
-  std::vector<int> worth;  // periods of returns that have not been tried
-  RefusedOrbits refused;   // several returns may lead to the same one
-  std::size_t together = 1;
-  // Chaos has many returns, most of them to unstable orbits. A return that Newton's method has rejected in lanes is not tried
-  // again.
-  const auto look = [&]() -> MotionTask<std::optional<StableOrbit>> {
-    std::vector<std::vector<Vector>> guesses;
-    for (const int n : worth) guesses.emplace_back(states.begin(), states.begin() + n);
-    const std::vector<LaneOrbit> orbits =
-        shoot_together(search.system, search.p, guesses, {.max_halvings = quick_halvings}, propagator.options(), all_threads);
-    const auto can_be_skipped = [&](const Shot& shot, const std::vector<Vector>& around) {
-      if (!shot.converged) return between_halves(around, near_halves).empty();
-      if (has_doubled(shot.orbit.states.size(), shot.multiplier, around.size())) return false;
-      return verdict(shot, state) == Verdict::no || refused.knows(shot.orbit.states, state);
-    };
-    for (std::size_t i = 0; i < guesses.size(); ++i) {
-      if (!orbits.empty() && can_be_skipped(shot_of(search, orbits[i]), guesses[i])) continue;
-      Recognised found = co_await recognise(slot, search, guesses[i], any_growth, refused);
-      if (found.verdict == Verdict::yes) co_return std::move(found.orbit);
-    }
-    worth.clear();
-    together *= 2;
-    co_return std::nullopt;
-  };
-  Transition transition;
+  std::vector<std::vector<Vector>> guesses;  // the states around returns that have not been tried
+  RefusedOrbits refused;                     // several returns may lead to the same one
   Matrix growth = Matrix::Identity(state.size(), state.size());
   std::vector<double> distances;  // of the returns
+  std::size_t enough = 1;
   // Whether the tangent has shrunk over one of the returns. Until then the other returns wait for the test of long-term growth.
   bool shrinks = false;
-  for (int n = 1; n <= max_period || (!worth.empty() && n <= growth_test_periods); ++n) {
-    carry_period(propagator, states.back(), {.sensitivity = Sensitivity::state}, transition);
-    if (transition.termination != Termination::time) break;
-    const Vector next = transition.x1;
-    growth = period_map(transition) * growth;
+  for (int n = 1; n <= max_period || (!guesses.empty() && n <= growth_test_periods); ++n) {
+    const CarriedPeriods period = co_await slot.carry_with_tangent(states.back(), 1);
+    if (period.termination(0) != Termination::time) break;
+    growth = period.map(0) * growth;
+    Vector next(state.size());
+    period.state(0, next);
     distances.push_back(state_distance(next, state) / scale);
     if (n <= max_period && distances.back() < worth_trying && closer_than_divisors(distances)) {
       const double grown = spectral_radius(growth);
-      if (!(grown > max_growth)) worth.push_back(n);
+      if (!(grown > max_growth)) guesses.push_back(states);
       shrinks = shrinks || grown < 1.0;
     }
-    if (shrinks && worth.size() >= together)
-      if (auto orbit = co_await look()) co_return orbit;
-    states.push_back(next);
+    if (shrinks && guesses.size() >= enough) {
+      if (auto orbit = co_await orbit_around_any(slot, guesses, all_threads, refused)) co_return orbit;
+      guesses.clear();
+      enough *= 2;
+    }
+    states.push_back(std::move(next));
   }
   if (spectral_radius(growth) > max_growth) co_return std::nullopt;
-  co_return co_await look();
+  co_return co_await orbit_around_any(slot, guesses, all_threads, refused);
 }
 
 }  // namespace
 
-MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                                 const LaneOrbit& orbit, const Vector& state) {
-  const Search search{system, p};
-  Shot shot = shot_of(search, orbit);
-  if (verdict(shot, state) != Verdict::yes) co_return std::nullopt;
-  if (!co_await approaches(lane, shot, state)) co_return std::nullopt;
-  co_return std::move(shot.orbit);
+MotionTask<std::optional<StableOrbit>> orbit_approached(TaskSlot& slot, const Shot& shot, const Vector& state) {
+  std::optional<StableOrbit> approached;  // (g++ 12 miscompiles this function with early returns)
+  if (verdict(shot, state) == Verdict::yes) {
+    const bool comes_closer = co_await approaches(slot, shot, state);
+    if (comes_closer) approached = shot.orbit;
+  }
+  co_return approached;
 }
 
-MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness) {
-  const std::vector<Vector> states = co_await next_states(lane, state, max_period);
+MotionTask<int> closest_return(TaskSlot& slot, const Vector& state, int max_period, double nearness) {
+  const std::vector<Vector> states = co_await next_states(slot, state, max_period);
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   co_return returns.empty() ? 0 : returns.front();
 }
 
-MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                             OrbitSearch search) {
+MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& slot, const Vector& state, OrbitSearch search) {
   OrbitSearchResult out;
-  const Search problem{system, p};
-  if (may_rest(system, p, state)) {
-    const OneByOne alone(lane, p);
-    if (std::optional<PeriodicOrbit> rest = resting_orbit(lane.propagator(), state)) {
+  if (may_rest(slot.system(), slot.p(), state)) {
+    const OneByOne alone(slot);
+    if (std::optional<PeriodicOrbit> rest = resting_orbit(slot.propagator(), state)) {
       out.orbit = StableOrbit(std::move(*rest));
       co_return out;
     }
   }
   if (!(search.nearness > 0.0)) {
-    const OneByOne alone(lane, p);
-    out.orbit = co_await orbit_of_any_return(lane, problem, state, search.max_period, search.all_threads);
+    const OneByOne alone(slot);
+    out.orbit = co_await look_at_all(slot, state, search.max_period, search.all_threads);
     co_return out;
   }
   RefusedOrbits here;
-  out = co_await look(lane, problem, state, search.max_period, search.nearness, search.refused ? *search.refused : here);
+  out = co_await look(slot, state, search.max_period, search.nearness, search.refused ? *search.refused : here);
   co_return out;
 }
 
 std::optional<StableOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                           const FlowOptions& flow) {
   OrbitSearchResult found;
-  run_alone(system, flow, [&](TaskSlot& lane) -> MotionTask<> {
-    lane.set_parameters(p);
+  run_alone(system, flow, [&](TaskSlot& slot) -> MotionTask<> {
+    slot.set_parameters(p);
     const OrbitSearch search{.max_period = max_period};
-    found = co_await look_for_orbit(lane, system, p, state, search);
+    found = co_await look_for_orbit(slot, state, search);
   });
   return found.orbit;
 }
@@ -450,14 +374,14 @@ std::optional<StableOrbit> settling_orbit(const HybridSystem& system, const Vect
 namespace {
 
 /// Whether the motion carries on for growth_test_periods and its tangent has not grown by more than max_growth by then.
-MotionTask<> keeps_small_tangent(TaskSlot& lane, const Vector& p, const Vector& state, char& answer) {
+MotionTask<> keeps_small_tangent(TaskSlot& slot, const Vector& p, const Vector& state, char& answer) {
   constexpr int stretch = growth_test_periods / 4;
-  lane.set_parameters(p);
+  slot.set_parameters(p);
   answer = false;
   Vector at = state;
   Matrix growth = Matrix::Identity(at.size(), at.size());
   for (int carried = stretch; carried <= growth_test_periods; carried += stretch) {
-    const CarriedPeriods periods = co_await lane.carry_with_tangent(at, stretch);
+    const CarriedPeriods periods = co_await slot.carry_with_tangent(at, stretch);
     if (periods.termination(stretch - 1) != Termination::time) co_return;
     for (std::size_t k = 0; k < stretch; ++k) growth = periods.map(k) * growth;
     periods.state(stretch - 1, at);
@@ -474,7 +398,7 @@ std::vector<Vector> settling_candidates(const HybridSystem& system, const Vector
                                         const FlowOptions& flow, bool all_threads) {
   std::vector<char> kept(states.size());
   run_tasks(system, flow, all_threads, states.size(),
-            [&](std::size_t i, TaskSlot& lane) { return keeps_small_tangent(lane, p, states[i], kept[i]); });
+            [&](std::size_t i, TaskSlot& slot) { return keeps_small_tangent(slot, p, states[i], kept[i]); });
   std::vector<Vector> out;
   for (std::size_t i = 0; i < states.size(); ++i)
     if (kept[i]) out.push_back(states[i]);

@@ -2,8 +2,7 @@
 // The stable orbit on which a motion is settling, found by Newton's method rather than by a tolerance on samples.
 #pragma once
 
-#include <graze/floquet/orbit/lane_orbits.hpp>
-#include <graze/floquet/orbit/stable_orbit.hpp>
+#include <graze/floquet/orbit/shot.hpp>
 
 #include <optional>
 #include <vector>
@@ -39,20 +38,18 @@ struct OrbitSearch {
   bool all_threads = false;  ///< an exhaustive search uses all threads of the caller's arena (oneTBB); its result is the same
 };
 
-/// The stable orbit on which the motion at `state` is settling, for a task, at the parameters p of its slot.
-MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& lane, const HybridSystem& system, const Vector& p, const Vector& state,
-                                             OrbitSearch search);
+/// The stable orbit on which the motion at `state` is settling, for a task, at the parameters of its slot.
+MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& slot, const Vector& state, OrbitSearch search);
 /// The same by an exhaustive search alone.
 std::optional<StableOrbit> settling_orbit(const HybridSystem& system, const Vector& p, const Vector& state, int max_period,
                                           const FlowOptions& flow = {});
 
 /// Number of periods after which the motion from `state` returns most closely, among up to max_period; 0: not within `nearness`.
-MotionTask<int> closest_return(TaskSlot& lane, const Vector& state, int max_period, double nearness);
+MotionTask<int> closest_return(TaskSlot& slot, const Vector& state, int max_period, double nearness);
 
-/// The orbit found in lanes (with quick_halvings), if it is stable and not delicate, and the motion at `state` near it approaches
-/// it. Uses the parameters of the slot. The orbit is not whole.
-MotionTask<std::optional<StableOrbit>> orbit_approached_in_lanes(TaskSlot& lane, const HybridSystem& system, const Vector& p,
-                                                                 const LaneOrbit& orbit, const Vector& state);
+/// The orbit found, if it is stable and not delicate, and the motion at `state` near it approaches it. Uses the parameters of the
+/// slot.
+MotionTask<std::optional<StableOrbit>> orbit_approached(TaskSlot& slot, const Shot& shot, const Vector& state);
 
 /// The states from which a motion may be settling on a stable orbit: the tangent does not keep growing. In chaos it does;
 /// testing all states for this costs less than an exhaustive search from a few. All states have the same parameters.

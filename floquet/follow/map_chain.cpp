@@ -79,12 +79,12 @@ MotionTask<RowChain::Found> MapChain::find(TaskSlot& slot, Begin begin, std::fun
   AttractorOptions finding = goes_on ? map_->from_neighbour : map_->from_start;
   finding.lyapunov.cancelled = cancelled;
   Attractor& attractor = out.point.attractor;
-  attractor = co_await approach_attractor(slot, map_->system, p, start, finding);
+  attractor = co_await approach_attractor(slot, p, start, finding);
   if (attractor.termination == Termination::time && attractor.type != AttractorType::periodic) {
     out.point.end = attractor.state;
     publish(attractor.state);
   }
-  co_await average_on_attractor(slot, map_->system, p, attractor, finding);
+  co_await average_on_attractor(slot, p, attractor, finding);
   const bool periodic = attractor.type == AttractorType::periodic, lost = is_lost(attractor);
   // A signal may have cut the average short, which an undecided attractor does not show.
   out.failed = !periodic && cancelled();

@@ -61,41 +61,58 @@ class Extrapolation {
 };
 
 /// Guesses that are not close are abandoned; direct simulation handles those values.
-constexpr LanePatience patience{.max_halvings = 2};
+constexpr NewtonPatience patience{.max_halvings = 2};
+
+/// The value at which the predictions end.
+struct End {
+  std::size_t at;
+  bool is_before(std::size_t value) const { return at < value; }
+  void move_to(std::size_t value) { at = std::min(at, value); }
+};
+
+MotionTask<> find(TaskSlot& slot, const Vector& p, std::size_t number, const Extrapolation& extrapolation, End& end,
+                  Shot& found) {
+  if (end.is_before(number)) co_return;
+  slot.set_parameters(p);
+  const States guess = extrapolation.at(number + 1);
+  found = co_await shoot_from(slot, guess, patience);
+  if (!found.converged) end.move_to(number);
+}
 
 /// Stores the orbit if the motion from `from` approaches it.
-MotionTask<> approach(TaskSlot& lane, const HybridSystem& system, std::size_t parameters, const Vector& p, const LaneOrbit& orbit,
-                      Vector from, PredictedOrbit& reached) {
-  lane.set_parameters(parameters);
-  std::optional<StableOrbit> approached = co_await orbit_approached_in_lanes(lane, system, p, orbit, from);
-  if (!approached) co_return;
+MotionTask<> approach(TaskSlot& slot, const Vector& p, std::size_t number, const Shot& found, Vector from, End& end,
+                      PredictedOrbit& reached) {
+  if (end.is_before(number)) co_return;
+  slot.set_parameters(p);
+  std::optional<StableOrbit> approached = co_await orbit_approached(slot, found, from);
+  if (!approached) {
+    end.move_to(number);
+    co_return;
+  }
   reached.orbit = std::move(*approached);
   if (reached.orbit.impacts == 0) co_return;
   ImpactSpeeds speeds;
-  co_await lane.carry(reached.orbit.states.front(), static_cast<std::size_t>(reached.orbit.period), &speeds);
+  co_await slot.carry(reached.orbit.states.front(), static_cast<std::size_t>(reached.orbit.period), &speeds);
   reached.impact_speeds = speeds.list();
 }
 
 }  // namespace
 
-std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
+std::vector<PredictedOrbit> predicted_orbits(const SharedSystem& system, const std::vector<std::vector<Vector>>& before,
                                              const std::vector<Vector>& next, const FlowOptions& flow) {
   if (before.size() < 2) return {};
-  const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, next, flow);
-  if (!many) return {};
   const Extrapolation extrapolation(before);
-  std::vector<LaneGuess> guesses;
-  for (std::size_t i = 0; i < next.size(); ++i) guesses.push_back(guess_of(i, extrapolation.at(i + 1)));
-  std::vector<LaneOrbit> found = shoot_together(*many, guesses, patience);
-  const auto missing = std::find_if(found.begin(), found.end(), [](const LaneOrbit& orbit) { return !orbit.converged; });
-  found.erase(missing, found.end());
-  std::vector<PredictedOrbit> reached(found.size());
-  TaskPool(*many).run(found.size(), [&](std::size_t i, TaskSlot& lane) {
-    const Vector from = i == 0 ? before.back().front() : vector_of(found[i - 1].states.front());
-    return approach(lane, system, i, next[i], found[i], from, reached[i]);
+  LaneCarrier motions(system, flow);
+  TaskPool pool(motions);
+  End end{next.size()};
+  std::vector<Shot> found(next.size());
+  pool.run(next.size(), [&](std::size_t i, TaskSlot& slot) { return find(slot, next[i], i, extrapolation, end, found[i]); });
+  std::vector<PredictedOrbit> reached(end.at);
+  pool.run(reached.size(), [&](std::size_t i, TaskSlot& slot) {
+    const Vector from = i == 0 ? before.back().front() : found[i - 1].orbit.states.front();
+    return approach(slot, next[i], i, found[i], from, end, reached[i]);
   });
-  const auto not_reached = [](const PredictedOrbit& ahead) { return ahead.orbit.states.empty(); };
-  reached.erase(std::find_if(reached.begin(), reached.end(), not_reached), reached.end());
+  reached.resize(end.at);
   return reached;
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stable orbits at the next values of a parameter, computed together. The guesses are extrapolated from the orbits at the
-// previous values, and Newton's method runs on all of them in SIMD lanes. An orbit is kept if the motion from the one before
+// previous values, and Newton's method runs on all of them as tasks of a pool. An orbit is kept if the motion from the one before
 // approaches it: a motion followed from value to value would end there, at ten times the cost.
 #pragma once
 
 #include <graze/floquet/orbit/stable_orbit.hpp>
 #include <graze/lib/flow/flow.hpp>
+#include <graze/lib/system/shared_system.hpp>
 
 #include <vector>
 
@@ -22,9 +23,8 @@ struct PredictedOrbit {
 /// `before`: states at phase 0 of orbits of the same period at equidistant values, the last one last; `next`: the parameters at
 /// the values that follow. Returns the orbits at the first of these, up to the first one that is not found, not stable,
 /// delicate for the lanes, or not approached by the motion from the one before. Each begins at the state that continues the one
-/// before. Empty if fewer than two orbits are known, or if the lanes do not
-/// support the oscillator.
-std::vector<PredictedOrbit> predicted_orbits(const HybridSystem& system, const std::vector<std::vector<Vector>>& before,
+/// before. Empty if fewer than two orbits are known.
+std::vector<PredictedOrbit> predicted_orbits(const SharedSystem& system, const std::vector<std::vector<Vector>>& before,
                                              const std::vector<Vector>& next, const FlowOptions& flow = {});
 
 }  // namespace graze

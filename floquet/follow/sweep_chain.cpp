@@ -132,12 +132,12 @@ MotionTask<RowPoint> SweepChain::follow(TaskSlot& slot, const Begin& begin, Attr
   }
   // Twice, if the motion is on an edge that rounding cannot tell, as where friction just holds: noise would move it off.
   for (const bool again : {false, true}) {
-    out.attractor = co_await approach_attractor(slot, system_, p, from, finding);
+    out.attractor = co_await approach_attractor(slot, p, from, finding);
     if (begin.settled && !published && out.attractor.type != AttractorType::periodic &&
         out.attractor.termination == Termination::time)
       hand_on(out.attractor.state);
     slot.hurry(false);
-    co_await average_on_attractor(slot, system_, p, out.attractor, finding);
+    co_await average_on_attractor(slot, p, out.attractor, finding);
     if (again || !is_on_edge(out.attractor) || cancelled()) break;
     push_off(system_, p, 0, from);
   }

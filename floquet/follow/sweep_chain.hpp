@@ -13,8 +13,7 @@ namespace graze {
 
 class SweepChain : public RowChain {
  public:
-  SweepChain(const SharedSystem& system, Vector p, Vector start, SweepOptions options,
-             SweepDirection direction);
+  SweepChain(const SharedSystem& system, Vector p, Vector start, SweepOptions options, SweepDirection direction);
 
   double value(std::size_t number) const { return values_[number]; }
 

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace graze {
 
@@ -36,7 +38,7 @@ double growth(const std::vector<PeriodResult>& periods) {
 
 /// The rule of shoot(), which also ends where the residual is rounding: one evaluation less for most orbits. (In shoot() a
 /// further step may change the last digits.)
-DampedNewtonRule rule_in_lanes(const LanePatience& patience) {
+DampedNewtonRule rule_in_lanes(const NewtonPatience& patience) {
   DampedNewtonRule rule = newton_rule({});
   rule.max_halvings = patience.max_halvings;
   rule.rounding = 1e-15;
@@ -129,33 +131,24 @@ class LaneNodes {
 
 namespace {
 
-MotionTask<LaneOrbit> newton(TaskSlot& lane, std::vector<Pair> states, LanePatience patience) {
-  LaneNodes nodes(lane, patience.most_growth);
+MotionTask<LaneOrbit> newton(TaskSlot& slot, std::vector<Pair> states, NewtonPatience patience) {
+  LaneNodes nodes(slot, patience.most_growth);
   const DampedNewtonRule rule = rule_in_lanes(patience);
   const NewtonReport report = co_await newton_on_nodes(nodes, rule, states);
   co_return nodes.orbit(report, std::move(states));
 }
 
-MotionTask<> shoot_to(TaskSlot& lane, const LaneGuess& guess, LanePatience patience, LaneOrbit& orbit) {
-  lane.set_parameters(guess.parameters);
-  orbit = co_await shoot_in_lanes(lane, guess.states, patience);
-}
-
 }  // namespace
 
-LaneGuess guess_of(std::size_t parameters, const std::vector<Vector>& states) {
-  LaneGuess out{parameters, {}};
-  for (const Vector& state : states) out.states.push_back(pair_of(state));
-  return out;
-}
-
-MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<double, 2>> states, LanePatience patience) {
-  LaneOrbit orbit = co_await newton(lane, std::move(states), patience);
-  const LanePatience any_growth{.max_halvings = patience.max_halvings};
+MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& slot, const std::vector<Vector>& guess, NewtonPatience patience) {
+  std::vector<Pair> states;
+  std::transform(guess.begin(), guess.end(), std::back_inserter(states), [](const Vector& state) { return pair_of(state); });
+  LaneOrbit orbit = co_await newton(slot, std::move(states), patience);
+  const NewtonPatience any_growth{.max_halvings = patience.max_halvings};
   if (!orbit.converged) co_return orbit;
   for (const std::size_t shorter : shorter_periods(orbit.states)) {
-    std::vector<Pair> guess = guess_of_shorter(orbit.states, shorter);
-    LaneOrbit found = co_await newton(lane, std::move(guess), any_growth);
+    std::vector<Pair> single = guess_of_shorter(orbit.states, shorter);
+    LaneOrbit found = co_await newton(slot, std::move(single), any_growth);
     if (!found.converged) continue;
     const double distance = state_distance(found.states[0], orbit.states[0]);
     if (!is_repeated(found.multipliers, orbit.states.size() / found.states.size(), distance, state_size(orbit.states[0])))
@@ -164,24 +157,6 @@ MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& lane, std::vector<std::array<doub
     break;
   }
   co_return orbit;
-}
-
-std::vector<LaneOrbit> shoot_together(LaneCarrier& many, const std::vector<LaneGuess>& guesses, LanePatience patience) {
-  std::vector<LaneOrbit> orbits(guesses.size());
-  TaskPool pool(many);
-  pool.run(guesses.size(), [&](std::size_t i, TaskSlot& lane) { return shoot_to(lane, guesses[i], patience, orbits[i]); });
-  return orbits;
-}
-
-std::vector<LaneOrbit> shoot_together(const HybridSystem& system, const Vector& p,
-                                      const std::vector<std::vector<Vector>>& guesses, LanePatience patience,
-                                      const FlowOptions& flow, bool all_threads) {
-  const std::unique_ptr<LaneCarrier> many = make_lane_carrier(system, {&p, 1}, flow);
-  if (!many) return {};
-  if (all_threads) many->use_all_threads();
-  std::vector<LaneGuess> in_lanes;
-  for (const std::vector<Vector>& guess : guesses) in_lanes.push_back(guess_of(0, guess));
-  return shoot_together(*many, in_lanes, patience);
 }
 
 }  // namespace graze

@@ -29,11 +29,7 @@ class TaskSlot {
   /// Sets the parameters of its motions from now on. They are carried in lanes if LaneCarrier applies there and `alone` is
   /// false; otherwise by a Propagator.
   void set_parameters(const Vector& p, bool alone = false);
-  /// The same by the index of a parameter set of LaneCarrier.
-  void set_parameters(std::size_t known) {
-    parameters_ = known;
-    alone_ = false;
-  }
+  const Vector& p() const { return alone_ ? propagator().parameters() : own_; }
   bool in_lanes() const { return !alone_; }
   /// Carries its motions if they are not carried in lanes.
   Propagator& propagator() const { return *propagators_.front(); }

@@ -15,13 +15,27 @@ using namespace graze::support;
 
 namespace {
 
-std::array<double, 2> pair_of(const Vector& x) { return {x[0], x[1]}; }
+struct Guess {
+  Vector p;
+  std::vector<Vector> states;
+};
 
 /// States on the closed-form orbit, displaced by `off`.
-LaneGuess guess_at(std::size_t set, const OneImpactOrbit& orbit, double off) {
-  LaneGuess guess{set, {}};
-  for (const Vector& x : orbit.states()) guess.states.push_back({x[0] - off, x[1] + 0.3 * off});
+Guess guess_at(const OneImpactOrbit& orbit, double off) {
+  Guess guess{parameters_of(orbit.parameters), {}};
+  for (const Vector& x : orbit.states()) guess.states.push_back(x + vector({-off, 0.3 * off}));
   return guess;
+}
+
+/// The orbits to which Newton's method converges from these guesses, side by side.
+std::vector<LaneOrbit> shoot_together(LaneCarrier& many, const std::vector<Guess>& guesses, NewtonPatience patience = {}) {
+  std::vector<LaneOrbit> orbits(guesses.size());
+  TaskPool(many).run(guesses.size(), [&](std::size_t i, TaskSlot& slot) -> MotionTask<> {
+    slot.set_parameters(guesses[i].p);
+    REQUIRE(slot.in_lanes());
+    orbits[i] = co_await shoot_in_lanes(slot, guesses[i].states, patience);
+  });
+  return orbits;
 }
 
 struct Known {
@@ -39,7 +53,7 @@ constexpr Known hertz_orbits[] = {{1, 0.94, 2.0403618495903122, 1.47311907690207
 TEST_CASE("lane orbits: closed forms with one impact are found all at once") {
   LaneCarrier many(newton_oscillator());
   std::vector<OneImpactOrbit> exact;
-  std::vector<LaneGuess> guesses;
+  std::vector<Guess> guesses;
   for (const double k_r : {1.0, 0.8, 0.45})
     for (const double r : {2.0, 0.7, 0.0, -0.4})
       for (const double eta : {0.63, 0.955, 1.2, 1.71, 2.06, 2.43, 2.75, 3.87})
@@ -49,7 +63,7 @@ TEST_CASE("lane orbits: closed forms with one impact are found all at once") {
             // Orbits without a second impact nearby, and with room for the guess next to the barrier.
             if (!orbit.admissible() || orbit.highest > -1e-2 || orbit.time < 0.02 * T || orbit.time > 0.98 * T) continue;
             if (orbit.speed < 0.05) continue;
-            guesses.push_back(guess_at(many.add_parameters(parameters_of(orbit.parameters)), orbit, 1e-5));
+            guesses.push_back(guess_at(orbit, 1e-5));
             exact.push_back(orbit);
           }
   REQUIRE(exact.size() > 60);
@@ -105,9 +119,10 @@ TEST_CASE("lane orbits: near a fold a guess is given up sooner if fewer step hal
       const OneImpactOrbit fold = one_impact_orbit(at, 1, family.fold_speed());
       at.xi *= 0.98;
       REQUIRE(one_impact_orbits(at, 1).empty());
-      const auto periods = [&](LanePatience patience) {
+      const auto periods = [&](NewtonPatience patience) {
         LaneCarrier many(newton_oscillator());
-        const LaneGuess guess = guess_at(many.add_parameters(parameters_of(at)), fold, 0.0);
+        Guess guess = guess_at(fold, 0.0);
+        guess.p = parameters_of(at);
         CHECK_FALSE(shoot_together(many, {guess}, patience).front().converged);
         return many.carried();
       };
@@ -118,17 +133,18 @@ TEST_CASE("lane orbits: near a fold a guess is given up sooner if fewer step hal
 TEST_CASE("lane orbits: orbits with a Hertz stop agree with shoot() alone and among others") {
   const HybridSystem system = make_oscillator("linear", "hertz");
   LaneCarrier many(system);
-  std::vector<LaneGuess> guesses;
+  std::vector<Guess> guesses;
   std::vector<PeriodicOrbit> exact;
   for (const Known& known : hertz_orbits) {
     const Vector p = parameters(system, {{"b", 0.05}, {"eta", known.eta}, {"r", 2.0}, {"k_H", 100.0}, {"b_H", 0.0}});
     exact.push_back(shoot(system, p, vector({known.x, known.v}), known.n));
     REQUIRE(exact.back().converged());
-    LaneGuess guess{many.add_parameters(p), {}};
-    for (const Vector& state : exact.back().states) guess.states.push_back({state[0] + 1e-6, state[1] - 1e-6});
+    Guess guess{p, {}};
+    for (const Vector& state : exact.back().states) guess.states.push_back(state + vector({1e-6, -1e-6}));
     guesses.push_back(guess);
     // Two traversals: the result is the orbit of the least period.
-    guess.states.insert(guess.states.end(), guess.states.begin(), guess.states.end());
+    const std::vector<Vector> once = guess.states;
+    guess.states.insert(guess.states.end(), once.begin(), once.end());
     guesses.push_back(guess);
     exact.push_back(exact.back());
   }
@@ -150,16 +166,15 @@ TEST_CASE("lane orbits: orbits with a Hertz stop agree with shoot() alone and am
 TEST_CASE("lane orbits: delicate orbits and failed convergence are reported") {
   LaneCarrier many(newton_oscillator());
   // k_r = 0: the tangent loses a direction.
-  const std::size_t plastic = many.add_parameters(parameters(newton_oscillator(), {{"b", 0.05}, {"eta", 0.95}, {"k_r", 0.0}}));
+  const Vector plastic = parameters(newton_oscillator(), {{"b", 0.05}, {"eta", 0.95}, {"k_r", 0.0}});
   // The impactless orbit without a nearby impact, and a guess without an orbit: beyond the barrier.
   const OneImpactParameters far{0.05, 1.0, 2.0, 3.0, 0.8};
-  const std::size_t free = many.add_parameters(parameters_of(far));
+  const Vector free = parameters_of(far);
   const Vector steady = detail::impactless(far, 0.0);
-  const PeriodicOrbit sticking = shoot(
-      newton_oscillator(), parameters(newton_oscillator(), {{"b", 0.05}, {"eta", 0.95}, {"k_r", 0.0}}), vector({1.0, 1.0}), 1);
+  const PeriodicOrbit sticking = shoot(newton_oscillator(), plastic, vector({1.0, 1.0}), 1);
   REQUIRE(sticking.converged());
   const std::vector<LaneOrbit> orbits =
-      shoot_together(many, {{plastic, {pair_of(sticking.state)}}, {free, {{steady[0] + 0.1, steady[1]}}}, {free, {{3.5, 0.0}}}});
+      shoot_together(many, {{plastic, {sticking.state}}, {free, {steady + vector({0.1, 0.0})}}, {free, {vector({3.5, 0.0})}}});
   CHECK(orbits[0].converged);
   CHECK(orbits[0].delicate);
   REQUIRE(orbits[1].converged);

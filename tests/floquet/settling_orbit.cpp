@@ -59,7 +59,7 @@ std::optional<StableOrbit> fast_search(const Vector& p, const Vector& start, boo
     lane.set_parameters(p);
     CHECK(lane.in_lanes() == in_lanes);
     const OrbitSearch search{.max_period = max_period, .nearness = nearness, .refused = refused};
-    look = co_await look_for_orbit(lane, damped_hertz(), p, start, search);
+    look = co_await look_for_orbit(lane, start, search);
   };
   LaneCarrier many(damped_hertz(), {});
   if (in_lanes)
@@ -211,7 +211,7 @@ TEST_CASE("an orbit refused once is tested again when the motion is much closer"
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.set_parameters(p);
       const OrbitSearch search{.max_period = max_period, .nearness = nearness, .refused = known};
-      out = co_await look_for_orbit(lane, damped_hertz(), p, start, search);
+      out = co_await look_for_orbit(lane, start, search);
     });
     carried = many.carried();
     return out.orbit;
@@ -239,7 +239,7 @@ TEST_CASE("a look for an orbit records the orbits that the motion passes by") {
     TaskPool(many).run(1, [&](std::size_t, TaskSlot& lane) -> MotionTask<> {
       lane.set_parameters(with_both());
       const OrbitSearch search{.max_period = 12, .nearness = 0.1, .refused = &refused};
-      const OrbitSearchResult look = co_await look_for_orbit(lane, system_with_both(), with_both(), chaotic, search);
+      const OrbitSearchResult look = co_await look_for_orbit(lane, chaotic, search);
       CHECK_FALSE(look.orbit);
     });
     INFO((again ? "again" : "at first"));

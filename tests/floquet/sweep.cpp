@@ -330,9 +330,17 @@ TEST_CASE("predicted orbits agree with Newton's method up to the loss of stabili
     CHECK(ahead[k].impact_speeds[0] == Approx(orbit.events[1].normal_speed).epsilon(1e-11));  // event 0 leaves the contact
   }
   CHECK(predicted_orbits(damped_hertz(), {before.back()}, next).empty());
-  FlowOptions general;
-  general.kind = FlowKind::general;
-  CHECK(predicted_orbits(damped_hertz(), before, next, general).empty());
+  // By Propagators the same, and whole.
+  const std::vector<PredictedOrbit> one_by_one = predicted_orbits(damped_hertz(), before, next, {.kind = FlowKind::alone});
+  REQUIRE(one_by_one.size() == ahead.size());
+  for (std::size_t k = 0; k < ahead.size(); ++k) {
+    const StableOrbit& found = one_by_one[k].orbit;
+    CHECK((found.states.front() - ahead[k].orbit.states.front()).norm() < 1e-11);
+    CHECK(found.whole);
+    CHECK_FALSE(ahead[k].orbit.whole);
+    REQUIRE(one_by_one[k].impact_speeds.size() == 1);
+    CHECK(one_by_one[k].impact_speeds[0] == Approx(ahead[k].impact_speeds[0]).epsilon(1e-11));
+  }
 }
 
 TEST_CASE("predicted orbits begin at the same state as those before them") {
