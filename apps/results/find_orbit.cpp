@@ -213,6 +213,7 @@ OrbitResult find_orbits(const Problem& problem, const OrbitOptions& options, con
     progress.emplace(console.err, console.quiet, "searching");
   };
   finding.search.seed = static_cast<unsigned>(options.seed);
+  finding.search.all_threads = true;
   finding.search.cancelled = interrupted;
   finding.search.progress = [&](int starts, int orbits) {
     progress->update(-1.0, [&] {

@@ -4,6 +4,7 @@
 #include <graze/floquet/orbit/newton_on_nodes.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
+#include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -71,17 +73,84 @@ class QuickNodes : public ShootingNodes {
 
 namespace {
 
+/// Newton's method from one start, as one thread computes it: the shooting equations at each of the section phases.
+class Shooter {
+ public:
+  Shooter(const HybridSystem& system, const Vector& p, int period, const SearchBox& box, const ShootingOptions& shooting)
+      : lower_(2.0 * box.lower - box.upper), upper_(2.0 * box.upper - box.lower), shooting_(shooting) {
+    const FlowOptions flow = quick_flow(shooting.flow, box.max_steps * static_cast<std::size_t>(period));
+    for (const double phase : section_phases)
+      sections_.push_back({{system, p, period, 1, {}, flow, phase}, {system, p, period, period, {}, flow, phase}});
+  }
+
+  Propagator& propagator() { return sections_.front().single.propagator(); }
+  /// The shooting equations at a section phase, in one or in multiple shooting.
+  ShootingEquations& equations(std::size_t section, bool multiple) {
+    return multiple ? sections_[section].multiple : sections_[section].single;
+  }
+
+  /// The state carried over this time, from the phase at `start`; nullopt if the motion ends before.
+  std::optional<Vector> carried(const Vector& x, double start, double time) {
+    if (time == 0.0) return x;
+    carry(propagator(), start, start + time, x, {.sensitivity = Sensitivity::none, .max_events = most_events}, transition_);
+    if (transition_.termination != Termination::time) return std::nullopt;
+    return transition_.x1;
+  }
+
+  /// The unknowns to which Newton's method converges from these states, one a node; the first one is carried to those that are
+  /// missing. Few halvings; it gives up as soon as it is hopeless.
+  std::optional<Vector> newton(std::size_t section, bool multiple, std::span<const Vector> states) {
+    ShootingEquations& its = equations(section, multiple);
+    const Eigen::Index n = states.front().size();
+    Vector u = Vector::Zero(its.unknowns());
+    const double stretch = its.duration(u) / its.nodes();
+    for (int j = 0; j < its.nodes(); ++j) {
+      const auto given = static_cast<std::size_t>(j);
+      if (given < states.size()) {
+        u.segment(j * n, n) = states[given];
+        continue;
+      }
+      const std::optional<Vector> next = carried(its.node(u, j - 1), its.node_time(u, j - 1), stretch);
+      if (!next) return std::nullopt;
+      u.segment(j * n, n) = *next;
+    }
+    QuickNodes nodes(its, lower_, upper_);
+    const DampedNewtonRule rule{.tolerance = quick_residual,
+                                .acceptance = quick_residual,
+                                .rounding = quick_residual,
+                                .max_iterations = std::min(quick_iterations, shooting_.max_iterations),
+                                .max_halvings = std::min(quick_halvings, shooting_.max_halvings),
+                                .max_step = shooting_.max_step};
+    const NewtonReport report = result_at_once(newton_on_nodes(nodes, rule, u));
+    if (report.residual_history.empty() || report.residual() > quick_residual) return std::nullopt;
+    return u;
+  }
+
+ private:
+  struct Section {
+    ShootingEquations single, multiple;
+  };
+  Vector lower_, upper_;  ///< the box extended by its own size on each side; Newton gives up outside
+  ShootingOptions shooting_;
+  std::vector<Section> sections_;
+  Transition transition_;
+};
+
+/// A start of Newton's method: a state at the section phase, or one for each period.
+struct SearchStart {
+  std::size_t section = 0;
+  std::vector<Vector> states = {};
+};
+
 /// State of one search: the orbits found, and the number of starts since the last new one.
 class Search {
  public:
   Search(const HybridSystem& system, const Vector& p, int period, const SearchBox& box, const SearchOptions& options)
-      : system_(system), p_(p), period_(period), lower_(2.0 * box.lower - box.upper), upper_(2.0 * box.upper - box.lower),
-        options_(options), T_(forcing_period(system, p)) {
+      : system_(system), p_(p), period_(period), options_(options), T_(forcing_period(system, p)) {
     options_.shooting.reduce_period = true;
     options_.shooting.nodes = 0;
-    const FlowOptions flow = quick_flow(options.shooting.flow, box.max_steps * static_cast<std::size_t>(period));
-    for (const double phase : section_phases)
-      sections_.push_back({phase, {system, p, period, 1, {}, flow, phase}, {system, p, period, period, {}, flow, phase}, {}});
+    const std::size_t threads = options.all_threads ? available_threads() : 1;
+    for (std::size_t i = 0; i < threads; ++i) shooters_.emplace_back(system, p, period, box, options.shooting);
   }
 
   bool finished() const {
@@ -90,31 +159,40 @@ class Search {
   bool exhausted() const { return idle_ >= options_.patience; }
   void reset_patience() { idle_ = 0; }
 
-  /// Newton from a state at phase 0, or at each of the phases in turn.
-  void try_state(const Vector& x) { try_state(sections_.front(), x); }
-  void try_state_in_turn(const Vector& x) { try_state(next_section(), x); }
-
-  /// Newton from beside a known orbit: orbits are born in pairs, at folds and at grazings, and stay close together.
-  bool try_near_known(std::mt19937_64& random, double size) {
-    Section& section = next_section();
-    if (section.known_states.empty()) return false;
-    std::uniform_int_distribution<std::size_t> pick(0, section.known_states.size() - 1);
+  /// The section of a start that follows `before` others which have not been tried.
+  std::size_t section_in_turn(std::size_t before) const {
+    return (static_cast<std::size_t>(result.starts) + before) / 2 % section_phases.size();
+  }
+  /// A state beside a known orbit: orbits are born in pairs, at folds and at grazings, and stay close together. Empty if none is
+  /// known.
+  Vector near_known(std::size_t section, std::mt19937_64& random, double size) const {
+    const std::vector<Vector>& known = known_states_[section];
+    if (known.empty()) return {};
+    std::uniform_int_distribution<std::size_t> pick(0, known.size() - 1);
     std::uniform_real_distribution<double> distance(std::log(1e-3 * size), std::log(1e-1 * size));
     std::normal_distribution<double> normal;
-    Vector direction(lower_.size());
+    Vector direction(known.front().size());
     for (double& d : direction) d = normal(random);
-    try_state(section, section.known_states[pick(random)] + std::exp(distance(random)) * direction.normalized());
-    return true;
+    return known[pick(random)] + std::exp(distance(random)) * direction.normalized();
   }
 
-  /// Newton from one state for each period.
-  void try_nodes(std::span<const Vector> nodes) {
-    count_start();
-    Section& section = sections_.front();
-    Vector u(section.multiple.unknowns());
-    for (std::size_t j = 0; j < nodes.size(); ++j)
-      u.segment(static_cast<Eigen::Index>(j) * nodes[j].size(), nodes[j].size()) = nodes[j];
-    add_if_new(section, section.multiple, u);
+  /// Newton from these starts, up to the end of the search. Single and multiple shooting take turns for starts of one state,
+  /// because each converges where the other fails.
+  void try_all(std::span<const SearchStart> starts) {
+    std::vector<std::optional<Vector>> converged(starts.size());
+    const auto is_multiple = [&](std::size_t i, int first) {
+      return starts[i].states.size() > 1 || (first + static_cast<int>(i)) % 2 == 0;
+    };
+    const int first = result.starts;
+    const std::size_t parts = std::min(shooters_.size(), starts.size());
+    in_parallel(parts, [&](std::size_t part) {
+      for (std::size_t i = part; i < starts.size(); i += parts)
+        converged[i] = shooters_[part].newton(starts[i].section, is_multiple(i, first), starts[i].states);
+    });
+    for (std::size_t i = 0; i < starts.size() && !finished(); ++i) {
+      count_start();
+      if (converged[i]) add_if_new(starts[i].section, is_multiple(i, first), *converged[i]);
+    }
   }
 
   /// |P^n(x) - x|^2 with its gradient 2 (M - I)^T (P^n(x) - x), for NLopt; 1e6 with zero gradient where the map is undefined.
@@ -134,76 +212,31 @@ class Search {
     return gap.squaredNorm();
   }
 
-  Propagator& propagator() { return sections_.front().single.propagator(); }
+  Propagator& propagator() { return shooters_.front().propagator(); }
   SearchResult result;
 
  private:
-  /// One forcing phase: the shooting equations there, and the states of the orbits found so far.
-  struct Section {
-    double phase;
-    ShootingEquations single, multiple;
-    std::vector<Vector> known_states;
-  };
-
-  Section& next_section() { return sections_[static_cast<std::size_t>(result.starts / 2) % sections_.size()]; }
-
-  /// Newton from one state: single and multiple shooting in turn, because each converges from starts where the other fails.
-  void try_state(Section& section, const Vector& x) {
-    ShootingEquations& equations = result.starts % 2 == 0 ? section.multiple : section.single;
-    count_start();
-    const int count = equations.nodes();
-    Vector u(equations.unknowns());
-    u.head(x.size()) = x;
-    const double stretch = equations.duration(u) / count;
-    for (int j = 1; j < count; ++j) {
-      const std::optional<Vector> next = carried(equations.node(u, j - 1), equations.node_time(u, j - 1), stretch);
-      if (!next) return;
-      u.segment(j * x.size(), x.size()) = *next;
-    }
-    add_if_new(section, equations, u);
-  }
-
-  std::optional<Vector> carried(const Vector& x, double start, double time) {
-    if (time == 0.0) return x;
-    carry(propagator(), start, start + time, x, {.sensitivity = Sensitivity::none, .max_events = most_events}, transition_);
-    if (transition_.termination != Termination::time) return std::nullopt;
-    return transition_.x1;
-  }
-
   void count_start() {
     ++result.starts;
     ++idle_;
     if (options_.progress) options_.progress(result.starts, static_cast<int>(result.orbits.size()));
   }
 
-  /// Newton with few halvings that gives up as soon as it is hopeless; true if it converges.
-  bool try_newton(ShootingEquations& equations, Vector& u) const {
-    const ShootingOptions& shooting = options_.shooting;
-    QuickNodes nodes(equations, lower_, upper_);
-    const DampedNewtonRule rule{.tolerance = quick_residual,
-                                .acceptance = quick_residual,
-                                .rounding = quick_residual,
-                                .max_iterations = std::min(quick_iterations, shooting.max_iterations),
-                                .max_halvings = std::min(quick_halvings, shooting.max_halvings),
-                                .max_step = shooting.max_step};
-    const NewtonReport report = result_at_once(newton_on_nodes(nodes, rule, u));
-    return !report.residual_history.empty() && report.residual() <= quick_residual;
-  }
-
   /// Polishes a converged start and stores the orbit if it is new.
-  void add_if_new(Section& section, ShootingEquations& equations, Vector& u) {
-    if (!try_newton(equations, u)) return;
-    const Eigen::Index n = lower_.size();
+  void add_if_new(std::size_t section, bool multiple, const Vector& u) {
+    const Eigen::Index n = static_cast<Eigen::Index>(system_.states);
     const double close = same_place * (1.0 + u.head(n).lpNorm<Eigen::Infinity>());
     const auto found_again = [&](const Vector& x) { return (x - u.head(n)).lpNorm<Eigen::Infinity>() < close; };
-    if (std::any_of(section.known_states.begin(), section.known_states.end(), found_again)) {
+    if (std::any_of(known_states_[section].begin(), known_states_[section].end(), found_again)) {
       ++result.converged;
       return;
     }
+    Shooter& shooter = shooters_.front();
+    const ShootingEquations& equations = shooter.equations(section, multiple);
+    const double phase = section_phases[section];
     std::vector<Vector> nodes;
     for (int j = 0; j < equations.nodes(); ++j) {
-      const std::optional<Vector> x =
-          carried(equations.node(u, j), section.phase * T_, section.phase > 0.0 ? (1.0 - section.phase) * T_ : 0.0);
+      const std::optional<Vector> x = shooter.carried(equations.node(u, j), phase * T_, phase > 0.0 ? (1.0 - phase) * T_ : 0.0);
       if (!x || !mode_at(system_, 0.0, *x, p_)) return;
       nodes.push_back(*x);
     }
@@ -217,22 +250,26 @@ class Search {
       idle_ = 0;
     }
     // Shorter orbits are stored too: most starts may lead to them.
-    for (Section& other : sections_)
+    for (std::size_t other = 0; other < section_phases.size(); ++other)
       for (const Vector& state : orbit.states)
-        if (const std::optional<Vector> x = carried(state, 0.0, other.phase * T_)) other.known_states.push_back(*x);
+        if (const std::optional<Vector> x = shooter.carried(state, 0.0, section_phases[other] * T_))
+          known_states_[other].push_back(*x);
     if (orbit.period == period_) result.orbits.push_back(std::move(orbit));
   }
 
   const HybridSystem& system_;
   const Vector& p_;
   int period_;
-  Vector lower_, upper_;  ///< the box extended by its own size on each side; Newton gives up outside
   SearchOptions options_;
   double T_;
-  std::vector<Section> sections_;
+  std::deque<Shooter> shooters_;                                         ///< of each thread
+  std::array<std::vector<Vector>, section_phases.size()> known_states_;  ///< of the orbits found so far, at each section phase
   Transition transition_;
   int idle_ = 0;
 };
+
+/// Starts that are tried together: few, because those beside known orbits do not know the orbits found meanwhile.
+constexpr std::size_t starts_of_a_round = 16;
 
 /// True if no earlier point is near; then stores the point.
 bool remember_if_new(std::vector<Vector>& earlier, const Vector& point, double near) {
@@ -261,13 +298,23 @@ void from_recurrences(Search& search, double T, int period, std::mt19937_64& ran
     }
     std::vector<std::pair<double, std::size_t>> returns;
     const auto n = static_cast<std::size_t>(period);
+    std::vector<SearchStart> starts;
+    const auto try_them = [&] {
+      search.try_all(starts);
+      starts.clear();
+    };
     for (std::size_t k = 0; k + n < states.size(); ++k) returns.emplace_back((states[k + n] - states[k]).norm(), k);
     std::sort(returns.begin(), returns.end());
     for (const auto& [distance, k] : returns) {
       if (distance > near || search.finished()) break;
-      if (remember_if_new(tried, states[k], alike)) search.try_nodes(std::span(states).subspan(k, n));
+      if (remember_if_new(tried, states[k], alike)) {
+        const auto first = states.begin() + static_cast<std::ptrdiff_t>(k);
+        starts.push_back({0, {first, first + period}});
+      }
+      if (starts.size() == starts_of_a_round) try_them();
       if (distance < 1e-9) break;  // the run has settled on an orbit: all its returns are alike
     }
+    try_them();
   }
 }
 
@@ -311,8 +358,10 @@ void from_nlopt(Search& search, const Vector& lower, const Vector& upper, unsign
   }
   // Of points close together the last one is the best: it is where a local search ended.
   std::vector<Vector> tried;
-  for (auto candidate = context.candidates.rbegin(); candidate != context.candidates.rend() && !search.finished(); ++candidate)
-    if (remember_if_new(tried, *candidate, 1e-2 * size)) search.try_state(*candidate);
+  std::vector<SearchStart> starts;
+  for (auto candidate = context.candidates.rbegin(); candidate != context.candidates.rend(); ++candidate)
+    if (remember_if_new(tried, *candidate, 1e-2 * size)) starts.push_back({0, {*candidate}});
+  search.try_all(starts);
 }
 
 /// Additive recurrence on the n-dimensional golden ratio, shifted by the seed: evenly spread for any number of points.
@@ -344,10 +393,10 @@ void check_box(const HybridSystem& system, const Vector& lower, const Vector& up
     throw std::invalid_argument("the search box needs a finite lower and a larger upper bound for each state");
 }
 
-MotionTask<> settle_to(TaskSlot& lane, const HybridSystem& system, const MotionFrom& start, const AttractorOptions& settling,
+MotionTask<> settle_to(TaskSlot& slot, const MotionFrom& start, const AttractorOptions& settling,
                        std::shared_ptr<const StableOrbit>& reached) {
-  if (!mode_at(system, 0.0, start.state, start.p)) co_return;
-  const Attractor attractor = co_await approach_attractor(lane, start.p, start.state, settling);
+  if (!mode_at(slot.system(), 0.0, start.state, start.p)) co_return;
+  const Attractor attractor = co_await approach_attractor(slot, start.p, start.state, settling);
   reached = attractor.orbit;
 }
 
@@ -363,10 +412,8 @@ std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std:
   settling.lyapunov.cancelled = options.cancelled;
   settling.lyapunov.flow = options.shooting.flow;
   std::vector<std::shared_ptr<const StableOrbit>> reached(starts.size());
-  LaneCarrier many(system, options.shooting.flow);
-  TaskPool pool(many);
-  pool.run(starts.size(),
-           [&](std::size_t i, TaskSlot& lane) { return settle_to(lane, system, starts[i], settling, reached[i]); });
+  run_tasks(system, options.shooting.flow, options.all_threads, starts.size(),
+            [&](std::size_t i, TaskSlot& slot) { return settle_to(slot, starts[i], settling, reached[i]); });
   std::vector<PeriodicOrbit> found;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const StableOrbit* const orbit = reached[i].get();
@@ -425,9 +472,17 @@ SearchResult search_orbits(const HybridSystem& system, const Vector& p, int peri
   if (!search.finished()) from_nlopt(search, lower, upper, options.seed, options.cancelled);
   search.reset_patience();
   LowDiscrepancy sequence(lower.size(), random);
-  for (int k = 0; !search.finished(); ++k) {
-    if (k % 3 == 2 && search.try_near_known(random, (upper - lower).norm())) continue;
-    search.try_state_in_turn(lower + (upper - lower).cwiseProduct(sequence.next()));
+  for (int k = 0; !search.finished();) {
+    std::vector<SearchStart> starts;
+    for (; starts.size() < starts_of_a_round; ++k) {
+      SearchStart start{search.section_in_turn(starts.size()), {}};
+      Vector x;
+      if (k % 3 == 2) x = search.near_known(start.section, random, (upper - lower).norm());
+      if (x.size() == 0) x = lower + (upper - lower).cwiseProduct(sequence.next());
+      start.states.push_back(std::move(x));
+      starts.push_back(std::move(start));
+    }
+    search.try_all(starts);
   }
   search.result.complete = search.exhausted();
   auto& orbits = search.result.orbits;

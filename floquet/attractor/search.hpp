@@ -22,6 +22,7 @@ struct SearchOptions {
   unsigned seed = 1;
   int patience = 2000;  ///< starts without a new orbit after which the search ends
   int max_starts = 40000;
+  bool all_threads = false;  ///< uses all threads of the caller's arena (oneTBB); the result is the same
   std::function<bool()> cancelled = {};
   std::function<void(int starts, int orbits)> progress = {};
   ShootingOptions shooting = {};
@@ -43,13 +44,14 @@ struct MotionFrom {
 
 struct SettlingOptions {
   int max_period = 64;
-  int periods = 300;  ///< forcing periods after which a motion that has not settled is abandoned
+  int periods = 300;         ///< forcing periods after which a motion that has not settled is abandoned
+  bool all_threads = false;  ///< as in SearchOptions
   std::function<bool()> cancelled = {};
   ShootingOptions shooting = {};
 };
 
-/// The stable admissible orbits on which these motions settle, each once, in the order of the motions. The motions run together
-/// in SIMD lanes if the lanes support the oscillator. Starts beyond a barrier are left out.
+/// The stable admissible orbits on which these motions settle, each once, in the order of the motions. The motions are tasks
+/// of a pool. Starts beyond a barrier are left out.
 std::vector<PeriodicOrbit> settled_orbits(const HybridSystem& system, const std::vector<MotionFrom>& starts,
                                           const SettlingOptions& options = {});
 

@@ -102,8 +102,7 @@ std::vector<PredictedOrbit> predicted_orbits(const SharedSystem& system, const s
                                              const std::vector<Vector>& next, const FlowOptions& flow) {
   if (before.size() < 2) return {};
   const Extrapolation extrapolation(before);
-  LaneCarrier motions(system, flow);
-  TaskPool pool(motions);
+  TaskPool pool(system, flow);
   End end{next.size()};
   std::vector<Shot> found(next.size());
   pool.run(next.size(), [&](std::size_t i, TaskSlot& slot) { return find(slot, next[i], i, extrapolation, end, found[i]); });

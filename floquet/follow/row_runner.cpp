@@ -30,8 +30,7 @@ std::size_t RowRunner::ready() const {
 }
 
 void RowRunner::work() try {
-  LaneCarrier many(system_, options_.flow);
-  TaskPool(many, &exchange_).run([&](TaskSlot& slot, std::size_t carried) -> std::optional<MotionTask<>> {
+  TaskPool(system_, options_.flow, &exchange_).run([&](TaskSlot& slot, std::size_t carried) -> std::optional<MotionTask<>> {
     std::optional<Started> started = draw(carried);
     if (!started) return std::nullopt;
     return find(slot, std::move(*started));

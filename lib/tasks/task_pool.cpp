@@ -142,6 +142,11 @@ void TaskSlot::resume() {
   waiting_.resume();
 }
 
+TaskPool::TaskPool(const SharedSystem& system, const FlowOptions& options, WorkSharing* exchange)
+    : TaskPool(std::make_unique<LaneCarrier>(system, options), exchange) {}
+
+TaskPool::TaskPool(std::unique_ptr<LaneCarrier> own, WorkSharing* exchange) : TaskPool(*own, exchange) { own_ = std::move(own); }
+
 TaskPool::TaskPool(LaneCarrier& motions, WorkSharing* exchange) : motions_(motions), exchange_(exchange) {
   through = [](RunSupply& self, MotionRun& run, std::size_t periods) {
     static_cast<TaskPool&>(self).feed_lanes(static_cast<TaskSlot::Run&>(run), periods);
@@ -310,16 +315,14 @@ void run_tasks(const SharedSystem& system, const FlowOptions& options, bool all_
                const std::function<MotionTask<>(std::size_t, TaskSlot&)>& make) {
   const std::size_t parts = all_threads ? std::min(available_threads(), count) : 1;
   in_parallel(parts, [&](std::size_t part) {
-    LaneCarrier lanes(system, options);
-    TaskPool pool(lanes);
+    TaskPool pool(system, options);
     if (all_threads && count == 1) pool.use_all_threads();
     pool.run((count - part + parts - 1) / parts, [&](std::size_t i, TaskSlot& slot) { return make(part + i * parts, slot); });
   });
 }
 
 void run_alone(const SharedSystem& system, const FlowOptions& options, const std::function<MotionTask<>(TaskSlot&)>& make) {
-  LaneCarrier lanes(system, options);
-  TaskPool pool(lanes);
+  TaskPool pool(system, options);
   pool.alone_ = true;
   pool.run(1, [&](std::size_t, TaskSlot& slot) { return make(slot); });
 }

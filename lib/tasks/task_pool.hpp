@@ -121,6 +121,8 @@ class TaskSlot::CarryingSome : public Carrying {
 
 class TaskPool : RunSupply {
  public:
+  /// Of motions of this system. Refers to `exchange`.
+  explicit TaskPool(const SharedSystem& system, const FlowOptions& options = {}, WorkSharing* exchange = nullptr);
   /// Refers to both.
   explicit TaskPool(LaneCarrier& motions, WorkSharing* exchange = nullptr);
 
@@ -134,6 +136,7 @@ class TaskPool : RunSupply {
   void use_all_threads();
 
  private:
+  TaskPool(std::unique_ptr<LaneCarrier> own, WorkSharing* exchange);
   friend class TaskSlot;
   friend class WorkSharing;
   struct Member;
@@ -158,6 +161,7 @@ class TaskPool : RunSupply {
   friend void run_alone(const SharedSystem& system, const FlowOptions& options,
                         const std::function<MotionTask<>(TaskSlot&)>& make);
 
+  std::unique_ptr<LaneCarrier> own_;  ///< the carrier, if it is the pool's own
   LaneCarrier& motions_;
   WorkSharing* exchange_;
   bool alone_ = false;                        ///< the motions are not carried in lanes

@@ -17,6 +17,7 @@
 #include "support/van_der_pol_stop.hpp"
 
 #include <catch2/catch.hpp>
+#include <oneapi/tbb/task_arena.h>
 
 #include <set>
 #include <utility>
@@ -148,10 +149,12 @@ TEST_CASE("orbits have no duplicates and no multiples of shorter ones and the mo
   }
 }
 
-TEST_CASE("the same seed gives the same search") {
+TEST_CASE("the same seed gives the same search on any number of threads") {
   const Known known = elastic_newton();
   const SearchResult first = search_orbits(known.system, known.p, 3, {.seed = 7, .patience = 300});
-  const SearchResult second = search_orbits(known.system, known.p, 3, {.seed = 7, .patience = 300});
+  SearchResult second;
+  oneapi::tbb::task_arena(3).execute(
+      [&] { second = search_orbits(known.system, known.p, 3, {.seed = 7, .patience = 300, .all_threads = true}); });
   CHECK(first.starts == second.starts);
   CHECK(first.converged == second.converged);
   REQUIRE(first.orbits.size() == second.orbits.size());
@@ -313,6 +316,12 @@ TEST_CASE("stable orbits are found from many starts, each once, at each of sever
                           [&](const PeriodicOrbit& other) { return other.parameters == p && same_orbit(other, orbit); }));
       }
   }
+  StableSearchOptions on_threads;
+  on_threads.settling.all_threads = true;
+  std::vector<PeriodicOrbit> again;
+  oneapi::tbb::task_arena(3).execute([&] { again = search_stable_orbits(system, values, on_threads); });
+  REQUIRE(again.size() == found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) CHECK(again[i].state == found[i].state);
   CHECK(search_stable_orbits(system, {}).empty());
   StableSearchOptions empty_box;
   empty_box.lower = empty_box.upper = Vector::Zero(2);
