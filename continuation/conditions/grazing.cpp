@@ -111,8 +111,8 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   // The Jacobian is singular if a state keeps its value along the orbit (a body at rest). The least-norm solution leaves that
   // state unchanged.
   const Matrix in_states = jacobian.leftCols(size);
-  const bool neutral = !Eigen::FullPivLU<Matrix>(in_states).isInvertible();
   const OrbitLU<Matrix> lu(in_states);
+  const bool neutral = !lu.is_invertible();
   const auto solve = [&](const Vector& right) -> Vector {
     return neutral ? shortest_solution(in_states, right) : lu.solve(right);
   };

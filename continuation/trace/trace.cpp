@@ -126,6 +126,7 @@ Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& ori
   Vector right = Vector::Zero(problem.unknowns);
   right[problem.unknowns - 1] = 1.0;
   Vector tangent = OrbitLU<Matrix>(bordered(jacobian, weights.cwiseProduct(orientation))).solve(right);
+  // Where the direction given is no guide, the kernel itself (dense, but only there).
   if (!tangent.allFinite()) tangent = Eigen::FullPivLU<Matrix>(jacobian).kernel().col(0);
   const double length = weighted_norm(weights, tangent);
   if (!(length > 0.0) || !std::isfinite(length)) return {};

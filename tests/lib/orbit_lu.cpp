@@ -39,11 +39,25 @@ TEST_CASE("solutions and the sign of the determinant agree with dense factors, f
       CHECK((A * x - right).lpNorm<Eigen::Infinity>() < 1e-10 * (1.0 + x.lpNorm<Eigen::Infinity>()));
       CHECK((A.transpose() * y - right).lpNorm<Eigen::Infinity>() < 1e-10 * (1.0 + y.lpNorm<Eigen::Infinity>()));
       const bool below = dense.determinant() < 0.0;
+      CHECK(lu.is_invertible());
       CHECK(lu.sign_of_determinant() == (below ? -1.0 : 1.0));
       negative += below ? 1 : 0;
     }
   CHECK(negative > 10);
   CHECK(negative < 38);
+  for (const Eigen::Index nodes : {1, 7, 80})
+    for (const bool closed : {true, false}) {
+      INFO(nodes << " nodes");
+      Matrix A = random_cyclic(nodes, random);
+      if (closed) {  // a column that is a combination of the others, up to rounding
+        const Vector weights = Vector::LinSpaced(A.cols() - 1, -1.0, 1.0 / 3.0);
+        A.col(A.cols() - 1) = A.leftCols(A.cols() - 1) * weights;
+      } else {
+        A.row(1).setZero();
+      }
+      CHECK_FALSE(OrbitLU<Matrix>(A).is_invertible());
+      CHECK_FALSE(Eigen::FullPivLU<Matrix>(A).isInvertible());
+    }
   Matrix singular = random_cyclic(3, random);
   singular.col(1).setZero();
   CHECK(OrbitLU<Matrix>(singular).sign_of_determinant() == 0.0);
