@@ -4,6 +4,7 @@
 #include <graze/continuation/branch/signature_follower.hpp>
 #include <graze/continuation/branch/states_follower.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
+#include <graze/continuation/conditions/grazing_in_step.hpp>
 
 #include <fmt/format.h>
 

@@ -3,7 +3,6 @@
 // condition of the bifurcation or, where that fails, by the sign change along the branch.
 #pragma once
 
-#include <graze/continuation/conditions/grazing.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/orbit_problem.hpp>
 
@@ -52,14 +51,6 @@ struct SignChange {
 std::optional<PointInStep> locate_in_step(BranchProblem& problem, const TestFunction& test, const TestPoint& before,
                                           const TestPoint& after, SignChange change, const Branch& branch,
                                           const TraceOptions& options);
-
-/// The grazing at which the number of impacts changes in the step to `reached`, or its bracket.
-PointInStep locate_impact_change(OrbitProblem& problem, const CurvePoint& before, const CurvePoint& after,
-                                 const BranchPoint& reached, const Branch& branch);
-
-/// The special point of a located grazing at the end of the branch so far.
-SpecialPoint grazing_point(const HybridSystem& system, const LocatedGrazing& located, int impacts_before, int impacts_after,
-                           const Branch& branch);
 
 /// Adds a point UZ for each of these values that the step passes, on both sides of a fold in `met`.
 void add_user_points(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, const std::vector<double>& values,

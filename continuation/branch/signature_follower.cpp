@@ -2,6 +2,7 @@
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/branch/signature_follower.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
+#include <graze/continuation/conditions/grazing_in_step.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <fmt/format.h>

@@ -3,6 +3,7 @@
 #include <graze/continuation/branch/branch_step.hpp>
 #include <graze/continuation/branch/kink.hpp>
 #include <graze/continuation/branch/states_follower.hpp>
+#include <graze/continuation/conditions/grazing_in_step.hpp>
 #include <graze/continuation/conditions/hopf.hpp>
 #include <graze/continuation/problems/clear_section.hpp>
 
@@ -251,8 +252,10 @@ Verdict StatesFollower::monitor(const CurvePoint& before, CurvePoint& after) {
   if (const auto verdict = record_.end_at_half(problem_, before, after)) return *verdict;
   if (const auto verdict = end_at_equilibrium(problem_, record_, before, after)) return *verdict;
   std::vector<PointInStep> met;
-  if (change == 1 || (change > 1 && !settings_.hard_contacts))
-    met.push_back(locate_impact_change(problem_, before, after, point, branch));
+  if (change == 1 || (change > 1 && !settings_.hard_contacts)) {
+    GrazingInStep grazing = grazing_in_step(problem_, before, after, point, branch);
+    met.push_back({place_of(problem_.zero_problem(), before, grazing.u), grazing.u, std::move(grazing.point)});
+  }
   if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
   if (auto kink = kink_in_step(problem_, {before, branch.points.back()}, {after, point}, branch, settings_.options.trace))
     met.push_back(std::move(*kink));
