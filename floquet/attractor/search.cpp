@@ -136,6 +136,9 @@ class Shooter {
   Transition transition_;
 };
 
+/// Starts that are tried together: few, because those beside known orbits do not know the orbits found meanwhile.
+constexpr std::size_t starts_of_a_round = 16;
+
 /// A start of Newton's method: a state at the section phase, or one for each period.
 struct SearchStart {
   std::size_t section = 0;
@@ -179,20 +182,8 @@ class Search {
   /// Newton from these starts, up to the end of the search. Single and multiple shooting take turns for starts of one state,
   /// because each converges where the other fails.
   void try_all(std::span<const SearchStart> starts) {
-    std::vector<std::optional<Vector>> converged(starts.size());
-    const auto is_multiple = [&](std::size_t i, int first) {
-      return starts[i].states.size() > 1 || (first + static_cast<int>(i)) % 2 == 0;
-    };
-    const int first = result.starts;
-    const std::size_t parts = std::min(shooters_.size(), starts.size());
-    in_parallel(parts, [&](std::size_t part) {
-      for (std::size_t i = part; i < starts.size(); i += parts)
-        converged[i] = shooters_[part].newton(starts[i].section, is_multiple(i, first), starts[i].states);
-    });
-    for (std::size_t i = 0; i < starts.size() && !finished(); ++i) {
-      count_start();
-      if (converged[i]) add_if_new(starts[i].section, is_multiple(i, first), *converged[i]);
-    }
+    for (std::size_t begin = 0; begin < starts.size() && !finished(); begin += starts_of_a_round)
+      try_round(starts.subspan(begin, std::min(starts_of_a_round, starts.size() - begin)));
   }
 
   /// |P^n(x) - x|^2 with its gradient 2 (M - I)^T (P^n(x) - x), for NLopt; 1e6 with zero gradient where the map is undefined.
@@ -216,6 +207,22 @@ class Search {
   SearchResult result;
 
  private:
+  void try_round(std::span<const SearchStart> starts) {
+    std::vector<std::optional<Vector>> converged(starts.size());
+    const auto is_multiple = [&, first = static_cast<std::size_t>(result.starts)](std::size_t i) {
+      return starts[i].states.size() > 1 || (first + i) % 2 == 0;
+    };
+    const std::size_t parts = std::min(shooters_.size(), starts.size());
+    in_parallel(parts, [&](std::size_t part) {
+      for (std::size_t i = part; i < starts.size(); i += parts)
+        converged[i] = shooters_[part].newton(starts[i].section, is_multiple(i), starts[i].states);
+    });
+    for (std::size_t i = 0; i < starts.size() && !finished(); ++i) {
+      count_start();
+      if (converged[i]) add_if_new(starts[i].section, is_multiple(i), *converged[i]);
+    }
+  }
+
   void count_start() {
     ++result.starts;
     ++idle_;
@@ -268,9 +275,6 @@ class Search {
   int idle_ = 0;
 };
 
-/// Starts that are tried together: few, because those beside known orbits do not know the orbits found meanwhile.
-constexpr std::size_t starts_of_a_round = 16;
-
 /// True if no earlier point is near; then stores the point.
 bool remember_if_new(std::vector<Vector>& earlier, const Vector& point, double near) {
   if (std::any_of(earlier.begin(), earlier.end(), [&](const Vector& x) { return (x - point).norm() < near; })) return false;
@@ -299,22 +303,15 @@ void from_recurrences(Search& search, double T, int period, std::mt19937_64& ran
     std::vector<std::pair<double, std::size_t>> returns;
     const auto n = static_cast<std::size_t>(period);
     std::vector<SearchStart> starts;
-    const auto try_them = [&] {
-      search.try_all(starts);
-      starts.clear();
-    };
     for (std::size_t k = 0; k + n < states.size(); ++k) returns.emplace_back((states[k + n] - states[k]).norm(), k);
     std::sort(returns.begin(), returns.end());
     for (const auto& [distance, k] : returns) {
-      if (distance > near || search.finished()) break;
-      if (remember_if_new(tried, states[k], alike)) {
-        const auto first = states.begin() + static_cast<std::ptrdiff_t>(k);
-        starts.push_back({0, {first, first + period}});
-      }
-      if (starts.size() == starts_of_a_round) try_them();
+      if (distance > near) break;
+      const auto first = states.begin() + static_cast<std::ptrdiff_t>(k);
+      if (remember_if_new(tried, states[k], alike)) starts.push_back({0, {first, first + period}});
       if (distance < 1e-9) break;  // the run has settled on an orbit: all its returns are alike
     }
-    try_them();
+    search.try_all(starts);
   }
 }
 

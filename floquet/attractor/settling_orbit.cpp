@@ -4,6 +4,7 @@
 #include <graze/floquet/attractor/refused_orbits.hpp>
 #include <graze/floquet/attractor/settling_orbit.hpp>
 #include <graze/lib/motion/rest.hpp>
+#include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/observe.hpp>
 

@@ -68,11 +68,6 @@ Shot shot_by_propagator(Propagator& propagator, const std::vector<Vector>& guess
 
 }  // namespace
 
-double spectral_radius(const Matrix& A) {
-  if (!A.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-  return eigenvalues(A).cwiseAbs().maxCoeff();
-}
-
 MotionTask<Shot> shoot_from(TaskSlot& slot, const std::vector<Vector>& guess, NewtonPatience patience) {
   if (!are_admissible(guess, slot.system(), slot.p())) co_return Shot();
   if (!slot.in_lanes()) co_return shot_by_propagator(slot.propagator(), guess, patience);

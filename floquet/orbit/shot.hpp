@@ -28,7 +28,4 @@ struct Shot {
 /// The orbit found from these states, one per period, at the parameters of the slot; none from a state inside a barrier.
 MotionTask<Shot> shoot_from(TaskSlot& slot, const std::vector<Vector>& guess, NewtonPatience patience);
 
-/// The largest modulus of the eigenvalues of A; NaN if A is not finite.
-double spectral_radius(const Matrix& A);
-
 }  // namespace graze

@@ -11,6 +11,11 @@ namespace graze {
 
 Eigen::VectorXcd eigenvalues(const Matrix& A) { return A.eigenvalues(); }
 
+double spectral_radius(const Matrix& A) {
+  if (!A.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  return eigenvalues(A).cwiseAbs().maxCoeff();
+}
+
 double eigenvector_condition(const Matrix& A) {
   const Eigen::EigenSolver<Matrix> solver(A);
   if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();

@@ -10,6 +10,9 @@ namespace graze {
 /// Of a real square matrix with finite entries, each as often as its algebraic multiplicity.
 Eigen::VectorXcd eigenvalues(const Matrix& A);
 
+/// The largest modulus of the eigenvalues; NaN if A is not finite.
+double spectral_radius(const Matrix& A);
+
 /// Condition number (2-norm) of the unit eigenvectors of a square matrix; infinite if it is defective.
 double eigenvector_condition(const Matrix& A);
 

@@ -243,8 +243,9 @@ void TaskPool::carry_rest(std::span<const TaskSlot::Run> runs, std::size_t set, 
   motions_.carry(rest_, tangent);
 }
 
-/// Carries the runs of the pool's only task to their ends.
-bool TaskPool::carry_whole(TaskSlot& place) {
+/// Carries the runs of the pool's only task to their ends. False: idle pools would have to help, but none does.
+bool TaskPool::carry_only(TaskSlot& place) {
+  if (exchange_) return lend(place);
   carry_rest(place.runs_, place.parameters_, place.tangent_);
   place.open_ = 0;
   return true;
@@ -288,12 +289,9 @@ void TaskPool::run(const std::function<std::optional<MotionTask<>>(TaskSlot&, st
       help();
       continue;
     }
-    if (members.size() == 1) {
-      TaskSlot& place = members.front()->place;
-      if (exchange_ ? lend(place) : carry_whole(place)) {
-        place.resume();
-        continue;
-      }
+    if (members.size() == 1 && carry_only(members.front()->place)) {
+      members.front()->place.resume();
+      continue;
     }
     std::array<std::size_t, 2> motions{};  // without and with the tangent
     std::array<bool, 2> hurry{};

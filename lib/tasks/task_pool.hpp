@@ -148,7 +148,7 @@ class TaskPool : RunSupply {
   void help();
   void carry_part(const Part& part);
   void carry_rest(std::span<const TaskSlot::Run> runs, std::size_t set, bool tangent);
-  bool carry_whole(TaskSlot& place);
+  bool carry_only(TaskSlot& place);
   std::size_t set_for(const SharedRuns& lent);
   static const TaskSlot* longest_task(std::span<const std::unique_ptr<Member>> members);
   bool hurries(const TaskSlot& place) const { return place.urgent_ || &place == longest_; }
