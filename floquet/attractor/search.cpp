@@ -156,9 +156,7 @@ class Search {
     for (std::size_t i = 0; i < threads; ++i) shooters_.emplace_back(system, p, period, box, options.shooting);
   }
 
-  bool finished() const {
-    return result.starts >= options_.max_starts || idle_ >= options_.patience || (options_.cancelled && options_.cancelled());
-  }
+  bool finished() const { return result.starts >= options_.max_starts || idle_ >= options_.patience || cancelled(); }
   bool exhausted() const { return idle_ >= options_.patience; }
   void reset_patience() { idle_ = 0; }
 
@@ -207,6 +205,8 @@ class Search {
   SearchResult result;
 
  private:
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+
   void try_round(std::span<const SearchStart> starts) {
     std::vector<std::optional<Vector>> converged(starts.size());
     const auto is_multiple = [&, first = static_cast<std::size_t>(result.starts)](std::size_t i) {
@@ -214,7 +214,7 @@ class Search {
     };
     const std::size_t parts = std::min(shooters_.size(), starts.size());
     in_parallel(parts, [&](std::size_t part) {
-      for (std::size_t i = part; i < starts.size(); i += parts)
+      for (std::size_t i = part; i < starts.size() && !cancelled(); i += parts)
         converged[i] = shooters_[part].newton(starts[i].section, is_multiple(i), starts[i].states);
     });
     for (std::size_t i = 0; i < starts.size() && !finished(); ++i) {

@@ -22,8 +22,8 @@ struct SearchOptions {
   unsigned seed = 1;
   int patience = 2000;  ///< starts without a new orbit after which the search ends
   int max_starts = 40000;
-  bool all_threads = false;  ///< uses all threads of the caller's arena (oneTBB); the result is the same
-  std::function<bool()> cancelled = {};
+  bool all_threads = false;              ///< uses all threads of the caller's arena (oneTBB); the result is the same
+  std::function<bool()> cancelled = {};  ///< called from several threads with all_threads; once true, it stays so
   std::function<void(int starts, int orbits)> progress = {};
   ShootingOptions shooting = {};
 };

@@ -21,8 +21,9 @@ class SweepChain : public RowChain {
   std::size_t stretch() const override { return Row::stretch_of(size()); }
   MotionTask<Found> find(TaskSlot& slot, Begin begin, std::function<bool()> cancelled,
                          std::function<void(const Vector& state)> publish) const override;
-  /// Never with a time average on orbits, which a prediction lacks.
-  bool predicts() const override { return options_.attractor.periods_on_orbit == 0; }
+  /// Never with a time average on orbits, which a prediction lacks; nor without forcing, where the states of orbits lie on a
+  /// guard, which moves with the parameter.
+  bool predicts() const override { return options_.attractor.periods_on_orbit == 0 && is_forced(system_); }
   std::vector<PredictedOrbit> predict(std::size_t begin, std::size_t end,
                                       const std::vector<std::vector<Vector>>& before) const override;
 

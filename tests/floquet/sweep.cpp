@@ -3,12 +3,14 @@
 // tested: predicted orbits, and laminar phases.
 #include <graze/floquet/follow/predicted_orbits.hpp>
 #include <graze/floquet/follow/sweep.hpp>
+#include <graze/floquet/follow/sweep_chain.hpp>
 #include <graze/floquet/orbit/shooting.hpp>
 
 #include "support/damped_hertz.hpp"
 #include "support/newton_oscillator.hpp"
 #include "support/system_texts.hpp"
 #include "support/two_sided_oscillator.hpp"
+#include "support/van_der_pol_stop.hpp"
 
 #include <catch2/catch.hpp>
 #include <oneapi/tbb/global_control.h>
@@ -425,4 +427,21 @@ TEST_CASE("a sweep passes the value at which friction just holds a mass (fixed)"
     const std::vector<SweepRow> rows = sweep(system, default_parameters(system.parameters), vector({0.0, 0.0}), options);
     CHECK(rows.size() == static_cast<std::size_t>(std::lround((0.9 - from) / step)) + 1);
   }
+}
+
+TEST_CASE("orbits are predicted with forcing only") {
+  // Without it their states lie on a guard, which moves with the parameter.
+  const auto predicts = [](const HybridSystem& system, const std::string& parameter) {
+    SweepOptions options;
+    options.parameter = parameter;
+    options.from = 1.0;
+    options.to = 1.1;
+    options.step = 0.01;
+    options.attractor.periods_on_orbit = 0;
+    const Vector rest = Vector::Zero(static_cast<Eigen::Index>(system.states));
+    return SweepChain(system, default_parameters(system.parameters), rest, options, SweepDirection::up).predicts();
+  };
+  CHECK(predicts(damped_hertz(), "eta"));
+  CHECK(predicts(two_sided_oscillator(true), "eta"));
+  CHECK_FALSE(predicts(van_der_pol_stop(), "r"));
 }
