@@ -429,6 +429,32 @@ TEST_CASE("a sweep passes the value at which friction just holds a mass (fixed)"
   }
 }
 
+TEST_CASE("a sweep without forcing goes on where the stop turns back") {
+  // The stop moves outward up to a = 1/2 and inward again; the states of the orbits lie on it, and are no guesses beyond.
+  SystemWriter writer;
+  writer.system.name = "turning stop";
+  writer.states({"x", "v"}).parameter("mu", "0.3").parameter("a", "0").parameter("e", "0.7");
+  writer.mode("flight", "x' = v\nv' = mu*(1 - x^2)*v - x");
+  writer.event({"stop", "impact", "x - 1 + 0.1*(a - 0.5)^2", "v = -e*v", "", ""});
+  writer.system.events.back().count = 1;
+  const HybridSystem system = equations::make_system(writer.system).system;
+  SweepOptions options;
+  options.parameter = "a";
+  options.from = 0.35;
+  options.to = 0.65;
+  options.step = 0.001;  // so many values that orbits would be predicted with forcing
+  options.directions = {SweepDirection::up};
+  options.first_transient = options.attractor.transient = 100;
+  options.attractor.periods_on_orbit = 0;
+  const std::vector<SweepRow> rows = sweep(system, default_parameters(system.parameters), Vector{{0.1, 0.1}}, options);
+  REQUIRE(rows.size() == 301);
+  for (const SweepRow& row : rows) {
+    INFO("a " << row.value);
+    CHECK(row.attractor.type == AttractorType::periodic);
+    CHECK(row.attractor.impacts == 1);
+  }
+}
+
 TEST_CASE("orbits are predicted with forcing only") {
   // Without it their states lie on a guard, which moves with the parameter.
   const auto predicts = [](const HybridSystem& system, const std::string& parameter) {
