@@ -80,13 +80,13 @@ struct Stop {
 bool alone(const AttractorOptions& options) { return !is_fast(options) || options.periods_on_orbit > 0; }
 
 /// The orbit of up to `most` periods on which the motion at `state` is settling. `refused`: orbits that it was seen to pass.
-MotionTask<OrbitSearchResult> look(TaskSlot& lane, const Vector& state, int most, const AttractorOptions& options,
+MotionTask<OrbitSearchResult> look(TaskSlot& slot, const Vector& state, int most, const AttractorOptions& options,
                                    RefusedOrbits* refused = nullptr) {
   const OrbitSearch search{.max_period = most,
                            .nearness = is_fast(options) ? return_tolerance(options) : 0.0,
                            .refused = refused,
                            .all_threads = options.lyapunov.all_threads};
-  return look_for_orbit(lane, state, search);
+  return look_for_orbit(slot, state, search);
 }
 
 void average_on_orbit(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
@@ -124,9 +124,9 @@ std::optional<StableOrbit> orbit_at_ends(const HybridSystem& system, const Vecto
   const std::size_t together = options.lyapunov.all_threads ? available_threads() : 1;
   for (std::size_t begin = 0; begin < ends.size() && !cancelled(options); begin += together) {
     std::vector<OrbitSearchResult> looked(std::min(together, ends.size() - begin));
-    const auto look_from = [&](std::size_t i, TaskSlot& lane) -> MotionTask<> {
-      lane.set_parameters(p);
-      looked[i] = co_await look(lane, ends[begin + i], most, options);
+    const auto look_from = [&](std::size_t i, TaskSlot& slot) -> MotionTask<> {
+      slot.set_parameters(p);
+      looked[i] = co_await look(slot, ends[begin + i], most, options);
     };
     run_tasks(system, options.lyapunov.flow, options.lyapunov.all_threads, looked.size(), look_from);
     if (cancelled(options)) break;  // some may have been tried in part
@@ -146,21 +146,21 @@ void take(LyapunovSpectrum average, const AttractorOptions& options, Attractor& 
 
 /// Takes an average of a motion that is not known to be periodic and evaluates it; in fast mode, with a second one to confirm
 /// chaos. Ends at once if the motion has settled on an orbit during an average.
-MotionTask<> take_average(TaskSlot& lane, LyapunovOptions averaging, const AttractorOptions& options, Attractor& attractor) {
+MotionTask<> take_average(TaskSlot& slot, LyapunovOptions averaging, const AttractorOptions& options, Attractor& attractor) {
   if (!is_fast(options)) {
-    take(lyapunov_spectrum(lane.system(), lane.p(), attractor.state, averaging), options, attractor);
+    take(lyapunov_spectrum(slot.system(), slot.p(), attractor.state, averaging), options, attractor);
     co_return;
   }
-  if (lane.motions_at_once() == 1) averaging.motions = 1;  // several would take longer, and others are carried meanwhile
+  if (slot.motions_at_once() == 1) averaging.motions = 1;  // several would take longer, and others are carried meanwhile
   for (bool again = false;; again = true) {
-    const AverageStart start{lane.p(), attractor.state};
-    RunningAverage average(lane, start, averaging);
+    const AverageStart start{slot.p(), attractor.state};
+    RunningAverage average(slot, start, averaging);
     RefusedOrbits refused;
     for (std::int64_t periods = first_check_of_average;; periods *= 2) {
-      const bool open = co_await average.carry(lane, periods);
+      const bool open = co_await average.carry(slot, periods);
       if (!open) break;
       const int most = longest_period_tried(options, periods);
-      OrbitSearchResult looked = co_await look(lane, average.state(), most, options, &refused);
+      OrbitSearchResult looked = co_await look(slot, average.state(), most, options, &refused);
       if (!looked.orbit) continue;
       settle_on(attractor, std::move(*looked.orbit));
       co_return;
@@ -171,12 +171,12 @@ MotionTask<> take_average(TaskSlot& lane, LyapunovOptions averaging, const Attra
 }
 
 /// Averages a motion that is not known to be periodic. Returns whether it must be continued from its new state.
-MotionTask<bool> average(TaskSlot& lane, int round, const LyapunovOptions& averaging, const AttractorOptions& options,
+MotionTask<bool> average(TaskSlot& slot, int round, const LyapunovOptions& averaging, const AttractorOptions& options,
                          Attractor& attractor) {
   const Stop stop{options};
-  const SharedSystem& system = lane.system();
-  const Vector p = lane.p(), begin = attractor.state;
-  co_await take_average(lane, averaging, options, attractor);
+  const SharedSystem& system = slot.system();
+  const Vector p = slot.p(), begin = attractor.state;
+  co_await take_average(slot, averaging, options, attractor);
   if (attractor.type == AttractorType::periodic || attractor.termination != Termination::time) co_return false;
   LyapunovSpectrum& mean = attractor.time_average;
   // The state at an interruption means nothing: the remaining periods might have led elsewhere.
@@ -185,7 +185,7 @@ MotionTask<bool> average(TaskSlot& lane, int round, const LyapunovOptions& avera
   const int most = longest_period_tried(options, mean.periods_each());
   OrbitSearchResult looked;
   if (is_fast(options))
-    looked = co_await look(lane, attractor.state, most, options);
+    looked = co_await look(slot, attractor.state, most, options);
   else
     looked.orbit = orbit_at_ends(system, p, mean, averaging, options);
   if (looked.orbit) {
@@ -194,13 +194,13 @@ MotionTask<bool> average(TaskSlot& lane, int round, const LyapunovOptions& avera
   }
   const double T = period_time(system, p, mean);
   if (!stop() && mean.termination == Termination::time && may_be_laminar(attractor, round, T)) {
-    if (!is_fast(options)) looked.closest = co_await closest_return(lane, attractor.state, most, return_tolerance(options));
+    if (!is_fast(options)) looked.closest = co_await closest_return(slot, attractor.state, most, return_tolerance(options));
     if (looked.closest > 0) {
       LaminarPhase watch = laminar_watch(attractor, looked.closest, T, options);
-      co_await carry_watched(lane, watch, stop);
+      co_await carry_watched(slot, watch, stop);
       if (!stop()) {
         watch.look_back(begin, mean.periods_each());
-        co_await carry_watched(lane, watch, stop);
+        co_await carry_watched(slot, watch, stop);
       }
       if (!stop() && goes_on(watch, system, p, round, attractor)) co_return true;
     }
@@ -215,45 +215,45 @@ MotionTask<bool> average(TaskSlot& lane, int round, const LyapunovOptions& avera
 
 }  // namespace
 
-MotionTask<Attractor> approach_attractor(TaskSlot& lane, const Vector& p, const Vector& start, const AttractorOptions& options) {
+MotionTask<Attractor> approach_attractor(TaskSlot& slot, const Vector& p, const Vector& start, const AttractorOptions& options) {
   const Stop stop{options};
-  Transient approach(lane.system(), p, start, options);
-  lane.set_parameters(p, alone(options));
+  Transient approach(slot.system(), p, start, options);
+  slot.set_parameters(p, alone(options));
   do {
-    co_await carry_watched(lane, approach, stop);
+    co_await carry_watched(slot, approach, stop);
     if (approach.open()) approach.stop(Termination::interrupted);
     if (approach.asks() == 0) continue;
-    OrbitSearchResult looked = co_await look(lane, approach.state(), approach.asks(), options, approach.passed_by());
+    OrbitSearchResult looked = co_await look(slot, approach.state(), approach.asks(), options, approach.passed_by());
     approach.answer(std::move(looked.orbit));
   } while (approach.open());
   co_return std::move(approach).result();
 }
 
-MotionTask<> average_on_attractor(TaskSlot& lane, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
-  lane.set_parameters(p, alone(options));
+MotionTask<> average_on_attractor(TaskSlot& slot, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
+  slot.set_parameters(p, alone(options));
   LyapunovOptions averaging = options.lyapunov;
   averaging.significance = options.significance;  // also long enough to establish chaos
-  if (!is_fast(options)) averaging.motions = std::max(averaging.motions, enough_motions(lane.system(), p, averaging));
+  if (!is_fast(options)) averaging.motions = std::max(averaging.motions, enough_motions(slot.system(), p, averaging));
   AttractorOptions longer = options;
   for (int round = 0; attractor.termination == Termination::time && attractor.type != AttractorType::periodic; ++round) {
-    const bool on = co_await average(lane, round, averaging, options, attractor);
+    const bool on = co_await average(slot, round, averaging, options, attractor);
     if (!on || cancelled(options)) co_return;
     longer.transient = longer_transient(longer.transient);
     const Vector from = attractor.state;
-    attractor = co_await approach_attractor(lane, p, from, longer);
+    attractor = co_await approach_attractor(slot, p, from, longer);
   }
-  if (attractor.termination == Termination::time) average_on_orbit(lane.system(), p, attractor, options);
+  if (attractor.termination == Termination::time) average_on_orbit(slot.system(), p, attractor, options);
 }
 
 Attractor approach_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {
   Attractor out;
   run_alone(system, options.lyapunov.flow,
-            [&](TaskSlot& lane) -> MotionTask<> { out = co_await approach_attractor(lane, p, start, options); });
+            [&](TaskSlot& slot) -> MotionTask<> { out = co_await approach_attractor(slot, p, start, options); });
   return out;
 }
 
 void average_on_attractor(const HybridSystem& system, const Vector& p, Attractor& attractor, const AttractorOptions& options) {
-  run_alone(system, options.lyapunov.flow, [&](TaskSlot& lane) { return average_on_attractor(lane, p, attractor, options); });
+  run_alone(system, options.lyapunov.flow, [&](TaskSlot& slot) { return average_on_attractor(slot, p, attractor, options); });
 }
 
 Attractor find_attractor(const HybridSystem& system, const Vector& p, const Vector& start, const AttractorOptions& options) {

@@ -54,10 +54,13 @@ template <class SquareMatrix> bool OrbitLU<SquareMatrix>::is_invertible() const 
 
 template <class SquareMatrix>
 double OrbitLU<SquareMatrix>::sign_of_determinant() const requires std::same_as<typename SquareMatrix::Scalar, double> {
-  if (factors_->sparse) return factors_->sparse->signDeterminant();
-  double sign = static_cast<double>(factors_->dense.permutationP().determinant());
-  for (const double pivot : factors_->dense.matrixLU().diagonal()) sign *= pivot > 0.0 ? 1.0 : pivot < 0.0 ? -1.0 : 0.0;
-  return sign;
+  if constexpr (std::same_as<typename SquareMatrix::Scalar, double>) {  // (clang 14 compiles the other too)
+    if (factors_->sparse) return factors_->sparse->signDeterminant();
+    double sign = static_cast<double>(factors_->dense.permutationP().determinant());
+    for (const double pivot : factors_->dense.matrixLU().diagonal()) sign *= pivot > 0.0 ? 1.0 : pivot < 0.0 ? -1.0 : 0.0;
+    return sign;
+  }
+  return 0.0;
 }
 
 template class OrbitLU<Matrix>;
