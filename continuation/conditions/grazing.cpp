@@ -112,7 +112,7 @@ void analyse(OrbitProblem& problem, const GrazingGuess& guess, const GuardAndRat
   // state unchanged.
   const Matrix in_states = jacobian.leftCols(size);
   const OrbitLU<Matrix> lu(in_states);
-  const bool neutral = !lu.is_invertible();
+  const bool neutral = !lu.is_invertible(in_states);
   const auto solve = [&](const Vector& right) -> Vector {
     return neutral ? shortest_solution(in_states, right) : lu.solve(right);
   };

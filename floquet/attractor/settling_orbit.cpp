@@ -161,11 +161,7 @@ Verdict verdict(const Shot& shot, const Vector& state) {
 MotionTask<std::vector<Vector>> next_states(TaskSlot& slot, const Vector& state, int periods) {
   std::vector<Vector> states{state};
   const CarriedPeriods carried = co_await slot.carry(state, static_cast<std::size_t>(std::max(0, periods)));
-  Vector end(state.size());
-  for (std::size_t k = 0; k < carried.size() && carried.termination(k) == Termination::time; ++k) {
-    carried.state(k, end);
-    states.push_back(end);
-  }
+  append_states(carried, 0, states);
   co_return states;
 }
 

@@ -10,12 +10,6 @@ namespace {
 
 constexpr std::size_t motions_in_chaos = 16, states_of_motion = VisitedCells::window;
 
-/// The states after periods `begin`, begin + 1, ... up to the end of the motion.
-void add_states(const CarriedPeriods& periods, std::size_t begin, std::vector<Vector>& states) {
-  for (std::size_t k = begin; k < periods.size() && periods.termination(k) == Termination::time; ++k)
-    periods.state(k, states.emplace_back(2));
-}
-
 }  // namespace
 
 std::vector<Vector> attractor_states(const SharedSystem& system, const Vector& p, const Attractor& attractor, std::size_t count,
@@ -27,7 +21,7 @@ std::vector<Vector> attractor_states(const SharedSystem& system, const Vector& p
     for (bool goes_on = true; goes_on && states.size() < count;) {
       const std::size_t before = states.size(), periods = slot.batch(count - before);
       const CarriedPeriods carried = co_await slot.carry(states.back(), periods);
-      add_states(carried, 0, states);
+      append_states(carried, 0, states);
       goes_on = states.size() == before + periods;
     }
   };
@@ -36,7 +30,7 @@ std::vector<Vector> attractor_states(const SharedSystem& system, const Vector& p
         (count + motions_in_chaos * states_of_motion - 1) / (motions_in_chaos * states_of_motion) * states_of_motion;
     const std::vector<Vector> starts = neighbouring_starts(system, p, start, motions_in_chaos);
     const CarriedMotions motions = co_await slot.carry_all(starts, decorrelation_periods + each - 1, false);
-    for (std::size_t i = 0; i < starts.size(); ++i) add_states(motions.of(i), decorrelation_periods - 1, states);
+    for (std::size_t i = 0; i < starts.size(); ++i) append_states(motions.of(i), decorrelation_periods - 1, states);
     if (states.empty()) states.push_back(start);
   };
   const auto cover = [&](std::size_t, TaskSlot& slot) -> MotionTask<> {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace graze {
 
@@ -25,15 +24,15 @@ double ReturnTimes::error(std::size_t direction, const BatchMeans& growth, doubl
   return std::sqrt(std::max(0.0, g + rate * rate * t - rate * (both - g - t)));
 }
 
-MotionGrowth::MotionGrowth(Vector start, bool is_forced)
-    : state_(std::move(start)), is_forced_(is_forced), tangents_(tangents_of(static_cast<std::size_t>(state_.size()))),
-      directions_(static_cast<std::size_t>(state_.size())), times_(directions_.size()) {}
+MotionGrowth::MotionGrowth(std::size_t states, bool is_forced)
+    : is_forced_(is_forced), tangents_(tangents_of(states)), directions_(states), times_(states) {}
 
-void MotionGrowth::add(const CarriedPeriods& periods, Kind kind, int interval) {
-  std::visit([&](auto& tangents) { add_to(tangents, periods, kind, interval); }, tangents_);
+void MotionGrowth::add(const CarriedPeriods& periods, Kind kind, int interval, Vector& state) {
+  std::visit([&](auto& tangents) { add_to(tangents, periods, kind, interval, state); }, tangents_);
 }
 
-template <class Tangents> void MotionGrowth::add_to(Tangents& tangents, const CarriedPeriods& periods, Kind kind, int interval) {
+template <class Tangents>
+void MotionGrowth::add_to(Tangents& tangents, const CarriedPeriods& periods, Kind kind, int interval, Vector& state) {
   std::size_t carried = 0;
   for (; carried < periods.size() && termination_ == Termination::time; ++carried) {
     termination_ = periods.termination(carried);
@@ -48,7 +47,7 @@ template <class Tangents> void MotionGrowth::add_to(Tangents& tangents, const Ca
     impacts_ += periods.impacts(carried);
     if (++periods_ == interval) end_interval(tangents, interval);
   }
-  if (carried > 0) periods.state(carried - 1, state_);
+  if (carried > 0) periods.state(carried - 1, state);
   if (kind == Kind::aligning) tangents.begin_counting();
   grown_to_means();
 }

@@ -39,14 +39,14 @@ class ReturnTimes {
 
 class MotionGrowth {
  public:
-  MotionGrowth(Vector start, bool is_forced);
+  MotionGrowth(std::size_t states, bool is_forced);
 
   /// What the next periods are for: to part the motion from its neighbours (without tangent), to turn the tangents, to count.
   enum class Kind { parting, aligning, counted };
-  /// Adds the next periods of the motion. The tangents are orthonormalised every `interval` counted periods.
-  void add(const CarriedPeriods& periods, Kind kind, int interval);
+  /// Adds the next periods of the motion, and writes its state after them. The tangents are orthonormalised every `interval`
+  /// counted periods.
+  void add(const CarriedPeriods& periods, Kind kind, int interval, Vector& state);
 
-  const Vector& state() const { return state_; }
   /// How the motion ended; `time`: it has not.
   Termination termination() const { return termination_; }
   /// Of an autonomous motion; null for a forced one.
@@ -65,11 +65,11 @@ class MotionGrowth {
   double liouville_residual() const { return liouville_residual_; }
 
  private:
-  template <class Tangents> void add_to(Tangents& tangents, const CarriedPeriods& periods, Kind kind, int interval);
+  template <class Tangents>
+  void add_to(Tangents& tangents, const CarriedPeriods& periods, Kind kind, int interval, Vector& state);
   template <class Tangents> void end_interval(Tangents& tangents, int interval);
   void grown_to_means();
 
-  Vector state_;
   bool is_forced_;
   Termination termination_ = Termination::time;
   std::variant<TangentPair, TangentFrame> tangents_;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace graze {
@@ -86,7 +87,7 @@ RunningAverage::RunningAverage(const TaskSlot& slot, const AverageStart& start, 
   initial_mode(system, 0.0, start.state, start.p);
   if (options.table) slot.use(options.table);
   states_ = neighbouring_starts(system, start.p, start.state, options.motions);
-  for (const Vector& state : states_) motions_.emplace_back(state, is_forced(system));
+  motions_.assign(states_.size(), MotionGrowth(system.states, is_forced(system)));
   uncounted_ = std::max<std::int64_t>(options.aligning, motions_.size() > 1 ? aligning_periods : 0);
   to_part_ = motions_.size() > 1 ? std::max<std::int64_t>(0, decorrelation_periods - uncounted_) : 0;
   out_.stop = LyapunovStop::budget;
@@ -102,7 +103,7 @@ MotionTask<bool> RunningAverage::carry(TaskSlot& slot, std::int64_t periods, std
     requested_ += next;
     const CarriedMotions carried = co_await slot.carry_all(states_, next, !is_parting());
     const std::int64_t before = out_.periods;
-    add(carried, next, slot.threads());
+    add(carried, next, slot.all_threads());
     if (options_.progress && out_.periods > before) options_.progress(out_.periods);
   }
   co_return open_;
@@ -124,15 +125,15 @@ void RunningAverage::announce(const TaskSlot& slot) {
 }
 
 /// Adds some more periods of each motion, in parts between two tests of the stop rule.
-void RunningAverage::add(const CarriedMotions& carried, std::size_t periods, std::size_t threads) {
+void RunningAverage::add(const CarriedMotions& carried, std::size_t periods, bool all_threads) {
   if (is_parting()) {
-    add_part(carried, 0, periods, threads);
+    add_part(carried, 0, periods, all_threads);
     to_part_ -= static_cast<std::int64_t>(periods);
   } else {
     for (std::size_t k = 0; k < periods && open_;) {
       const std::size_t next = std::min<std::size_t>(periods - k, static_cast<std::size_t>(until_look()));
       const bool counted = uncounted_ == 0;
-      add_part(carried, k, next, threads);
+      add_part(carried, k, next, all_threads);
       k += next;
       if (!open_) break;
       if (!counted)
@@ -141,18 +142,14 @@ void RunningAverage::add(const CarriedMotions& carried, std::size_t periods, std
         look();
     }
   }
-  for (std::size_t i = 0; i < motions_.size(); ++i) states_[i] = motions_[i].state();
 }
 
 /// Adds `count` periods of each motion, from `begin` on. The average ends if a motion has.
-void RunningAverage::add_part(const CarriedMotions& carried, std::size_t begin, std::size_t count, std::size_t threads) {
+void RunningAverage::add_part(const CarriedMotions& carried, std::size_t begin, std::size_t count, bool all_threads) {
   using Kind = MotionGrowth::Kind;
   const Kind kind = is_parting() ? Kind::parting : uncounted_ > 0 ? Kind::aligning : Kind::counted;
-  const std::size_t parts = count >= long_for_threads ? std::min(threads, motions_.size()) : 1;
-  in_parallel(parts, [&](std::size_t part) {
-    for (std::size_t i = part * motions_.size() / parts; i < (part + 1) * motions_.size() / parts; ++i)
-      motions_[i].add(carried.of(i).part(begin, count), kind, options_.interval);
-  });
+  for_each_index(all_threads && count >= long_for_threads, motions_.size(),
+                 [&](std::size_t i) { motions_[i].add(carried.of(i).part(begin, count), kind, options_.interval, states_[i]); });
   gather();
   if (out_.termination != Termination::time) stop(LyapunovStop::failed);
 }
@@ -199,16 +196,20 @@ void RunningAverage::look() {
     }
     if (out_.periods > round() && change < options_.change) return stop(LyapunovStop::change);
   }
-  if (has_new_errors(options_, lost_[0], motions_.front().means(0)) && settled()) return stop(LyapunovStop::standard_error);
+  // They end the average, and have changed.
+  const bool has_errors = options_.change == 0.0 && options_.standard_error > 0.0;
+  if (has_errors && (lost_[0] || motions_.front().means(0).ended_batch()) && settled()) return stop(LyapunovStop::standard_error);
   if (out_.periods + round() > options_.max_periods) open_ = false;
 }
 
+/// Whether the bounds of the options are met.
 bool RunningAverage::settled() const {
   const std::int64_t each = out_.periods / static_cast<std::int64_t>(motions_.size());
-  const bool is_chaos = grows_beyond_shear(out_.log_growth, out_.log_volume, each);
-  return precise_enough(
-      options_, out_.periods, is_chaos, lost_.size(), [&](std::size_t i) { return exponent(i); },
-      [&](std::size_t i) { return standard_error(i); });
+  if (options_.significance > 0.0 && !grows_beyond_shear(out_.log_growth, out_.log_volume, each)) return false;
+  if (out_.periods < options_.min_periods || std::abs(exponent(0)) < options_.significance * standard_error(0)) return false;
+  for (std::size_t i = 0; i < lost_.size(); ++i)
+    if (!(standard_error(i) < options_.standard_error)) return false;
+  return true;
 }
 
 /// Mean time of an interval.
@@ -255,16 +256,19 @@ double RunningAverage::standard_error(std::size_t i) const {
 }
 
 LyapunovSpectrum RunningAverage::result() && {
-  const auto correlation = [&](std::size_t i) {
-    double time = 0.0;
-    for (const MotionGrowth& motion : motions_) time += motion.means(i).correlation_time();
-    return lost_[i] ? 0.0 : time / count() * options_.interval;
-  };
-  write_exponents(
-      lost_.size(), [&](std::size_t i) { return exponent(i); }, [&](std::size_t i) { return standard_error(i); }, correlation,
-      out_);
+  std::vector<std::size_t> order(lost_.size());  // of the directions, largest exponent first
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return exponent(a) > exponent(b); });
+  for (const std::size_t i : order) {
+    double correlation = 0.0;
+    for (const MotionGrowth& motion : motions_) correlation += motion.means(i).correlation_time();
+    out_.exponents.push_back(exponent(i));
+    out_.standard_errors.push_back(standard_error(i));
+    out_.correlation_times.push_back(lost_[i] ? 0.0 : correlation / count() * options_.interval);
+  }
+  out_.kaplan_yorke = kaplan_yorke_dimension(out_.exponents);
   out_.state = state();
-  for (std::size_t i = 1; i < motions_.size(); ++i) out_.others.push_back(motions_[i].state());
+  out_.others.assign(states_.begin() + 1, states_.end());
   return std::move(out_);
 }
 

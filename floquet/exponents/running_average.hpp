@@ -29,7 +29,7 @@ class RunningAverage {
   static constexpr std::size_t fewest_at_once = 32;
 
   /// State of its first motion.
-  const Vector& state() const { return motions_.front().state(); }
+  const Vector& state() const { return states_.front(); }
   LyapunovSpectrum result() &&;
 
  private:
@@ -39,8 +39,8 @@ class RunningAverage {
   double count() const { return static_cast<double>(motions_.size()); }
   std::int64_t round() const { return options_.interval * static_cast<std::int64_t>(motions_.size()); }
   bool is_parting() const { return to_part_ > 0; }
-  void add(const CarriedMotions& carried, std::size_t periods, std::size_t threads);
-  void add_part(const CarriedMotions& carried, std::size_t begin, std::size_t count, std::size_t threads);
+  void add(const CarriedMotions& carried, std::size_t periods, bool all_threads);
+  void add_part(const CarriedMotions& carried, std::size_t begin, std::size_t count, bool all_threads);
   std::int64_t until_look() const;
   void gather();
   void look();

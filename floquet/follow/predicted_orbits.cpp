@@ -90,13 +90,24 @@ MotionTask<> approach(TaskSlot& slot, const Vector& p, std::size_t number, const
     co_return;
   }
   reached.orbit = std::move(*approached);
-  if (reached.orbit.impacts == 0) co_return;
-  ImpactSpeeds speeds;
-  co_await slot.carry(reached.orbit.states.front(), static_cast<std::size_t>(reached.orbit.period), &speeds);
-  reached.impact_speeds = speeds.list();
+  reached.impact_speeds = co_await impact_speeds_of(slot, p, reached.orbit);
 }
 
 }  // namespace
+
+MotionTask<std::vector<double>> impact_speeds_of(TaskSlot& slot, const Vector& p, const StableOrbit& orbit) {
+  std::vector<double> out;
+  if (orbit.whole) {
+    for (const EventRecord& event : orbit.whole->events)
+      if (begins_contact(event.kind)) out.push_back(event.normal_speed);
+  } else if (orbit.impacts > 0) {
+    slot.set_parameters(p);
+    ImpactSpeeds speeds;
+    co_await slot.carry(orbit.states.front(), static_cast<std::size_t>(orbit.period), &speeds);
+    out = speeds.list();
+  }
+  co_return out;
+}
 
 std::vector<PredictedOrbit> predicted_orbits(const SharedSystem& system, const std::vector<std::vector<Vector>>& before,
                                              const std::vector<Vector>& next, const FlowOptions& flow) {

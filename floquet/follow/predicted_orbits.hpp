@@ -7,10 +7,13 @@
 #include <graze/floquet/orbit/stable_orbit.hpp>
 #include <graze/lib/flow/flow.hpp>
 #include <graze/lib/system/shared_system.hpp>
+#include <graze/lib/tasks/task.hpp>
 
 #include <vector>
 
 namespace graze {
+
+class TaskSlot;
 
 /// Orbits at up to this many values are used for extrapolation: a polynomial of their states at phase 0, of degree 3 at most.
 inline constexpr std::size_t most_orbits_before = 4;
@@ -19,6 +22,9 @@ struct PredictedOrbit {
   StableOrbit orbit;
   std::vector<double> impact_speeds;  ///< of its impacts (entries into contact)
 };
+
+/// Speeds of the impacts (entries into contact) of an orbit at the parameters p, for a task.
+MotionTask<std::vector<double>> impact_speeds_of(TaskSlot& slot, const Vector& p, const StableOrbit& orbit);
 
 /// `before`: states at phase 0 of orbits of the same period at equidistant values, the last one last; `next`: the parameters at
 /// the values that follow. Returns the orbits at the first of these, up to the first one that is not found, not stable,

@@ -154,28 +154,19 @@ MotionTask<RowPoint> SweepChain::follow(TaskSlot& slot, const Begin& begin, Attr
 
 MotionTask<> sample_attractor(TaskSlot& slot, const Vector& p, int samples, FollowedAttractor& at) {
   const bool periodic = at.attractor.type == AttractorType::periodic;
-  const int wanted = periodic ? at.attractor.period : samples;
-  if (wanted < 1 || at.attractor.termination != Termination::time) co_return;
-  const PeriodicOrbit* const whole = periodic ? at.attractor.orbit->whole.get() : nullptr;
-  if (whole) {
-    for (const EventRecord& event : whole->events)
-      if (begins_contact(event.kind)) at.impact_speeds.push_back(event.normal_speed);
-  } else if (!periodic || at.attractor.impacts > 0) {
-    slot.set_parameters(p);
-    ImpactSpeeds speeds;
-    Vector state = at.attractor.state;
-    const Vector from = state;
-    const CarriedPeriods periods = co_await slot.carry(from, static_cast<std::size_t>(wanted), &speeds);
-    at.states = {from};
-    for (std::size_t k = 0; k + 1 < periods.size() && periods.termination(k) == Termination::time; ++k) {
-      periods.state(k, state);
-      at.states.push_back(state);
-    }
-    at.impact_speeds = speeds.list();
+  if ((!periodic && samples < 1) || at.attractor.termination != Termination::time) co_return;
+  if (periodic) {
+    at.impact_speeds = co_await impact_speeds_of(slot, p, *at.attractor.orbit);
+    at.states = at.attractor.orbit->states;
+    at.attractor.orbit.reset();
+    co_return;
   }
-  if (!periodic) co_return;
-  at.states = at.attractor.orbit->states;
-  at.attractor.orbit.reset();
+  slot.set_parameters(p);
+  ImpactSpeeds speeds;
+  const CarriedPeriods periods = co_await slot.carry(at.attractor.state, static_cast<std::size_t>(samples), &speeds);
+  at.states = {at.attractor.state};
+  append_states(periods.part(0, periods.size() - 1), 0, at.states);
+  at.impact_speeds = speeds.list();
 }
 
 }  // namespace graze

@@ -3,14 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace graze {
 
-int impacts(const HybridSystem& system, const Signature& signature) {
-  return static_cast<int>(std::count_if(signature.events.begin(), signature.events.end(),
-                                        [&](std::size_t event) { return begins_contact(system.events[event].kind); }));
-}
+int impacts(const HybridSystem& system, const Signature& signature) { return contacts_among(signature.events, system); }
 
 std::optional<std::size_t> first_break(const HybridSystem& system, const std::vector<std::size_t>& events) {
   for (std::size_t k = 0; k < events.size(); ++k)

@@ -77,6 +77,11 @@ LaneCarrier::LaneCarrier(const SharedSystem& system, const FlowOptions& options,
   validate(options);
 }
 
+void record_contacts(const std::vector<EventRecord>& events, lanes::SpeedRecorder& speeds) {
+  for (const EventRecord& event : events)
+    if (begins_contact(event.kind)) speeds.add(speeds, event.normal_speed);
+}
+
 std::size_t motions_at_once(const HybridSystem& system, const Vector& p, const FlowOptions& options) {
   return LaneCarrier::applies(system, p, options) ? motions_in_lanes : 1;
 }
@@ -184,9 +189,7 @@ bool LaneCarrier::carry_by_propagator(const lanes::Motion& motion, std::size_t p
   const TransitionOptions carrying{.sensitivity = tangent ? Sensitivity::state : Sensitivity::none,
                                    .keep_events = motion.notes != nullptr};
   graze::carry(*set.propagator, 0.0, set.period, at, carrying, transition_);
-  if (motion.notes)
-    for (const EventRecord& event : transition_.events)
-      if (begins_contact(event.kind)) motion.notes->add(*motion.notes, event.normal_speed);
+  if (motion.notes) record_contacts(transition_.events, *motion.notes);
   PeriodResult& out = motion.result(period) = {};
   out.termination = transition_.termination;
   out.by_propagator = true;
@@ -196,8 +199,7 @@ bool LaneCarrier::carry_by_propagator(const lanes::Motion& motion, std::size_t p
   if (tangent) out.Phi = {transition_.Phi(0, 0), transition_.Phi(0, 1), transition_.Phi(1, 0), transition_.Phi(1, 1)};
   out.det = std::exp(transition_.log_det);
   out.liouville = transition_.liouville;
-  out.impacts = static_cast<int>(std::count_if(transition_.event_sequence.begin(), transition_.event_sequence.end(),
-                                               [&](std::size_t e) { return begins_contact(system_->events[e].kind); }));
+  out.impacts = contacts_among(transition_.event_sequence, system_);
   return true;
 }
 

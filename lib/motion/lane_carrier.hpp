@@ -46,6 +46,9 @@ class ImpactSpeeds : public lanes::SpeedRecorder {
   std::vector<double> list_;
 };
 
+/// Adds the speeds of the impacts and entries into contact among these events.
+void record_contacts(const std::vector<EventRecord>& events, lanes::SpeedRecorder& speeds);
+
 /// Observer of one motion: called after its periods (lanes::PeriodWatch says which), also after a failed one; returns whether
 /// to continue.
 using PeriodObserver = lanes::PeriodObserver;

@@ -13,7 +13,7 @@ namespace graze {
 template <class SquareMatrix> struct OrbitLU<SquareMatrix>::Factors {
   using Scalar = typename SquareMatrix::Scalar;
 
-  explicit Factors(const SquareMatrix& A) : largest(A.size() > 0 ? A.cwiseAbs().maxCoeff() : 0.0) {
+  explicit Factors(const SquareMatrix& A) {
     constexpr Eigen::Index small = 96;  // up to this size dense factors are as fast
     if (A.rows() > small && A.allFinite()) {
       Eigen::SparseMatrix<Scalar> entries = A.sparseView();
@@ -25,7 +25,6 @@ template <class SquareMatrix> struct OrbitLU<SquareMatrix>::Factors {
     dense.compute(A);
   }
 
-  double largest;  ///< modulus of the entries
   Eigen::PartialPivLU<SquareMatrix> dense;
   std::optional<Eigen::SparseLU<Eigen::SparseMatrix<Scalar>>> sparse;
 };
@@ -42,14 +41,14 @@ template <class SquareMatrix> auto OrbitLU<SquareMatrix>::solve_adjoint(const Co
   return factors_->sparse ? Column(factors_->sparse->adjoint().solve(right)) : Column(factors_->dense.adjoint().solve(right));
 }
 
-template <class SquareMatrix> bool OrbitLU<SquareMatrix>::is_invertible() const {
-  const Eigen::Index n = factors_->sparse ? factors_->sparse->rows() : factors_->dense.rows();
+template <class SquareMatrix> bool OrbitLU<SquareMatrix>::is_invertible(const SquareMatrix& A) const {
+  const Eigen::Index n = A.rows();
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   Column right(n);
   for (Eigen::Index i = 0; i < n; ++i) right[i] = 0.5 + std::fmod(static_cast<double>(i + 1) * golden, 1.0);
   const double length = solve(right).cwiseAbs().maxCoeff();
   const double rounding = static_cast<double>(n) * std::numeric_limits<double>::epsilon();
-  return length * factors_->largest * rounding < 1.0;  // false for NaN
+  return length * A.cwiseAbs().maxCoeff() * rounding < 1.0;  // false for NaN
 }
 
 template <class SquareMatrix>

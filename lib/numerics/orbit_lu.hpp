@@ -21,8 +21,8 @@ template <class SquareMatrix> class OrbitLU {
   /// A^{-1} right; not finite where A is singular.
   Column solve(const Column& right) const;
   Column solve_adjoint(const Column& right) const;
-  /// Whether A is invertible beyond rounding: a right side without structure has a solution of moderate size.
-  bool is_invertible() const;
+  /// Whether A, given once more, is invertible beyond rounding: a right side without structure has a solution of moderate size.
+  bool is_invertible(const SquareMatrix& A) const;
   /// The sign of det A of a real matrix: 1, -1, or 0 where A is singular.
   double sign_of_determinant() const requires std::same_as<typename SquareMatrix::Scalar, double>;
 

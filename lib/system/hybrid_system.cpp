@@ -100,6 +100,11 @@ Vector forcing_period_dp(const HybridSystem& system, const Vector& p) {
   return dp;
 }
 
+int contacts_among(const std::vector<std::size_t>& events, const HybridSystem& system) {
+  return static_cast<int>(
+      std::count_if(events.begin(), events.end(), [&](std::size_t event) { return begins_contact(system.events[event].kind); }));
+}
+
 std::vector<std::size_t> returns_of(const HybridSystem& system) {
   if (!system.returns.empty()) return system.returns;
   std::vector<std::size_t> contacts, sticking, all;

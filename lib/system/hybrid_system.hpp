@@ -193,6 +193,9 @@ double time_unit(const HybridSystem& system, const Vector& p);
 /// dT/dp (number of parameters).
 Vector forcing_period_dp(const HybridSystem& system, const Vector& p);
 
+/// Number of impacts and entries into contact in a sequence of events (indices).
+int contacts_among(const std::vector<std::size_t>& events, const HybridSystem& system);
+
 /// The events that count as returns of an autonomous system; a return replaces the forcing period. HybridSystem::returns, or
 /// else the events that begin a contact, or else those that begin to stick, or else all.
 std::vector<std::size_t> returns_of(const HybridSystem& system);

@@ -6,10 +6,10 @@
 #include <graze/lib/motion/transition.hpp>
 #include <graze/lib/numerics/log_product.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace graze {
 
@@ -60,12 +60,7 @@ class CarriedPeriods {
   /// Transition::lost.
   int lost(std::size_t k) const { return system_ ? alone_[k].lost : 0; }
   /// Impacts and entries into contact.
-  int impacts(std::size_t k) const {
-    if (!system_) return in_lanes_[k].impacts;
-    const std::vector<std::size_t>& events = alone_[k].event_sequence;
-    return static_cast<int>(
-        std::count_if(events.begin(), events.end(), [&](std::size_t e) { return begins_contact(system_->events[e].kind); }));
-  }
+  int impacts(std::size_t k) const { return system_ ? contacts_among(alone_[k].event_sequence, *system_) : in_lanes_[k].impacts; }
   /// Of the period of an autonomous system; of a forced one it may be 0.
   double duration(std::size_t k) const { return system_ ? alone_[k].duration : 0.0; }
 
@@ -74,6 +69,13 @@ class CarriedPeriods {
   std::span<const Transition> alone_;
   const HybridSystem* system_ = nullptr;  ///< null: in lanes
 };
+
+/// Appends the states at the ends of the periods from number `begin` on, up to the end of the motion.
+inline void append_states(const CarriedPeriods& periods, std::size_t begin, std::vector<Vector>& states) {
+  constexpr Eigen::Index in_lanes = 2;  // by a Propagator, state() sets the size
+  for (std::size_t k = begin; k < periods.size() && periods.termination(k) == Termination::time; ++k)
+    periods.state(k, states.emplace_back(in_lanes));
+}
 
 /// Those of several motions, the same number of each.
 class CarriedMotions {

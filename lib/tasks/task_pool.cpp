@@ -66,7 +66,7 @@ std::size_t TaskSlot::batch(std::size_t most, std::size_t motions) const {
 
 std::size_t TaskSlot::motions_at_once() const { return alone_ ? 1 : motions_in_lanes; }
 
-std::size_t TaskSlot::threads() const { return pool_->all_threads_ ? available_threads() : 1; }
+bool TaskSlot::all_threads() const { return pool_->all_threads_; }
 
 TaskSlot::Carrying TaskSlot::carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent) {
   tangent_ = tangent;
@@ -120,14 +120,10 @@ void TaskSlot::carry_alone(std::span<const Vector> states, std::size_t periods, 
       return;
     }
   };
-  const std::size_t parts = std::min(threads(), states.size());
-  in_parallel(parts, [&](std::size_t part) {
-    for (std::size_t m = part * states.size() / parts; m < (part + 1) * states.size() / parts; ++m) carry_motion(m);
-  });
+  for_each_index(all_threads(), states.size(), carry_motion);
   if (!speeds) return;
   for (const Transition& period : ends_)
-    for (const EventRecord& event : period.events)
-      if (period.termination == Termination::time && begins_contact(event.kind)) speeds->add(*speeds, event.normal_speed);
+    if (period.termination == Termination::time) record_contacts(period.events, *speeds);
 }
 
 CarriedPeriods TaskSlot::carried() const {

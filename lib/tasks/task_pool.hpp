@@ -38,13 +38,13 @@ class TaskSlot {
   /// LaneCarrier::expect and use for its motions; without effect if they are not carried in lanes.
   void expect(std::int64_t periods) const;
   void use(std::shared_ptr<const ContactTable> table) const;
-  /// How many of `most` periods of each of some motions to request at once, if some may turn out to be in vain: all in lanes; by
-  /// Propagators few.
+  /// Number of periods of each motion to request at once, `most` of them in lanes. By Propagators it is small: the last periods
+  /// of a request may be carried in vain, and a motion alone gains nothing from a longer one.
   std::size_t batch(std::size_t most, std::size_t motions = 1) const;
   /// Number of its motions that one thread carries at once (graze::motions_at_once).
   std::size_t motions_at_once() const;
-  /// Number of threads that may work for the task.
-  std::size_t threads() const;
+  /// Whether all threads of the caller's arena may work for the task.
+  bool all_threads() const;
   /// Of all motions of the pool, with their options.
   const SharedSystem& system() const;
   const FlowOptions& flow() const;

@@ -5,6 +5,7 @@
 #include <graze/floquet/basins/basins.hpp>
 #include <graze/floquet/exponents/exponents.hpp>
 #include <graze/lib/models/oscillator.hpp>
+#include <graze/lib/numerics/batch_means.hpp>
 
 #include "support/checks.hpp"
 #include "support/newton_oscillator.hpp"
