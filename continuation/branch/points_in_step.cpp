@@ -112,7 +112,7 @@ std::optional<PointInStep> locate_confirmed(BranchProblem& problem, const TestFu
   for (const bool again : {false, true}) {
     if (found) break;
     again ? narrow_bracket(40, 0.0, 1e-4) : narrow_bracket(8, 1e-5, 1e-7);
-    located = test.locate(problem, best.u, {best, best_branch, problem.unit()});
+    located = locate(problem, *test.equations({best, best_branch, problem.unit()}), best.u);
     found = located.newton.converged() && within_bracket(located.u);
   }
   point.newton = located.newton;

@@ -7,7 +7,7 @@
 // equations' Jacobian bordered by the tangent.
 #include <graze/continuation/conditions/test_function.hpp>
 
-#include <graze/continuation/conditions/branch_point_condition.hpp>
+#include <graze/continuation/conditions/branch_point_equations.hpp>
 #include <graze/continuation/conditions/own_coordinates.hpp>
 
 #include <Eigen/SVD>
@@ -26,7 +26,7 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
                                           const TraceOptions& options) {
   OwnCoordinates own = own_coordinates(bp, states);
   BranchProblem& problem = own.by_events ? static_cast<BranchProblem&>(*own.by_events) : states;
-  const LocatedPoint located = locate_branch_point(problem, own.u);
+  const LocatedPoint located = locate(problem, *branch_point_equations(), own.u);
   const ZeroProblem zero = problem.zero_problem();
   Vector residual;
   Matrix jacobian;
@@ -89,7 +89,7 @@ TestFunction branch_point_test() {
     return passes != turns;
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
-  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) { return locate_branch_point(problem, u); };
+  test.equations = [](const TestPoint&) { return branch_point_equations(); };
   test.born = Birth{.sides = {1, -1},
                     .located_only = true,
                     .missing = "no orbit of the branch that crosses there was found",

@@ -3,7 +3,7 @@
 //
 // Test function: the parameter's component of the tangent. It also passes zero on the branch that turns in a pitchfork. There a
 // multiplier only touches +1, and the point is a branch point.
-#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/multiplier_equations.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 
 namespace graze {
@@ -17,9 +17,7 @@ TestFunction fold_test() {
     return !stands_still(before, after) && (real_beyond(before, 1) + real_beyond(after, 1)) % 2 == 1;
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
-  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) {
-    return locate_multiplier(problem, u, {.theta = 0.0});
-  };
+  test.equations = [](const TestPoint&) { return multiplier_equations({.theta = 0.0}); };
   return test;
 }
 

@@ -186,6 +186,113 @@ void add_contact(const HybridSystem& system, const std::vector<std::size_t>& of_
 /// Whether a contact begins or ends with an event of this kind.
 bool may_be_touched(EventKind kind) { return begins_contact(kind) || kind == EventKind::leave; }
 
+/// The defining equations of a grazing: F = (H, h, dh/dt) in (u, t).
+class GrazingEquations : public DefiningEquations {
+ public:
+  GrazingEquations(GrazingGuess guess, std::vector<GrazingGuess> others)
+      : guess_(std::move(guess)), others_(std::move(others)), resume_after_(guess_.t_resume - guess_.t) {}
+
+  Vector own_start() const override { return Vector{{guess_.t}}; }
+  Vector sizes() const override { return sizes_; }
+  NewtonRule rule() const override {
+    NewtonRule rule = newton_to_rounding();
+    rule.max_iterations = 25;
+    rule.longest = 1.0;
+    return rule;
+  }
+
+  bool evaluate(BranchProblem& problem, const Vector& w, Vector& F, Matrix* jacobian) override {
+    const Eigen::Index unknowns = problem.unknowns(), size = problem.orbit_unknowns();
+    Vector u;
+    OrbitProblem& states = problem.stroboscopic(w.head(unknowns), u);
+    ShootingEquations& equations = states.equations();
+    const double t = w[unknowns];
+    leave_out(equations, t);
+    Vector H;
+    const bool reached = states.residual(u, H, jacobian ? &orbit_jacobian : nullptr);
+    if (!jacobian) others_vague = !reached || !meets_same_events(equations);
+    if (!reached || (!jacobian && others_vague)) return false;
+    const HybridSystem& system = problem.system();
+    const Touch& touch = equations.stretch(guess_.stretch).touch;
+    const auto met_in = [&](const FreeParameter& free) {
+      return guard_and_rate(system.events[guess_.event].guard, system.modes[touch.mode], touch.t, touch.x, equations.parameters(),
+                            free.index);
+    };
+    const GuardAndRate here = met_in(problem.free().front());
+    const double scale = states.state_scale(u);
+    if (resume_after_ == 0.0 && miss == 0.0) miss = smallest_miss(scale);
+    F.resize(size + 2);
+    F << H, here.h + miss, here.rate;
+    if (!jacobian) return true;
+    at = here;
+    time = t;
+    sizes_ = Vector::Constant(F.size(), scale);
+    sequences_.clear();
+    for (int k = 0; k < states.nodes(); ++k) sequences_.push_back(equations.stretch(k).event_sequence);
+    *jacobian = Matrix::Zero(F.size(), w.size());
+    jacobian->topLeftCorner(size, unknowns) = orbit_jacobian;
+    const Eigen::Index first = guess_.stretch * states.states();
+    jacobian->row(size).segment(first, states.states()) = at.h_dx.transpose() * touch.Phi;
+    jacobian->row(size + 1).segment(first, states.states()) = at.rate_dx.transpose() * touch.Phi;
+    const Matrix x_dp = equations.fixed_time_dp(guess_.stretch, touch.Phi, touch.Psi);
+    for (Eigen::Index k = 0; k < x_dp.cols(); ++k) {
+      const GuardAndRate of = k == 0 ? at : met_in(problem.free()[static_cast<std::size_t>(k)]);
+      (*jacobian)(size, size + k) = of.h_dx.dot(x_dp.col(k)) + of.h_dp;
+      (*jacobian)(size + 1, size + k) = of.rate_dx.dot(x_dp.col(k)) + of.rate_dp;
+    }
+    Vector f(states.states());
+    equations.propagator().field(touch.mode, touch.t, touch.x, f);
+    curvature = at.rate_dx.dot(f) + at.rate_dt;
+    (*jacobian)(size, unknowns) = at.rate;
+    (*jacobian)(size + 1, unknowns) = curvature;
+    return true;
+  }
+
+  bool may_end(BranchProblem& problem, const Vector& w, double length) override {
+    constexpr double near_touch = 1e-6;  // step length below which Newton's method has nearly converged
+    Vector u;
+    OrbitProblem& states = problem.stroboscopic(w.head(problem.unknowns()), u);
+    const Touch& touch = states.equations().stretch(guess_.stretch).touch;
+    if (!(resume_after_ > 0.0 && length < near_touch && comes_with_event(states, guess_.event, touch))) return true;
+    miss = smallest_miss(states.state_scale(u));
+    if (std::abs(at.h + miss) < 0.5 * miss) resume_after_ = 0.0;
+    return false;
+  }
+
+  /// Leaves the touching contacts out of these equations, with the touch at the time t.
+  void leave_out(ShootingEquations& equations, double t) const {
+    equations.leave_out(guess_.stretch, {guess_.events_before, t, t + resume_after_});
+    for (const GrazingGuess& other : others_) equations.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
+  }
+
+  // Of the last evaluation with Jacobian.
+  Matrix orbit_jacobian;   ///< of H
+  GuardAndRate at;         ///< at the touch
+  double time = 0.0;       ///< of the touch
+  double curvature = 0.0;  ///< d2h/dt2 at the touch
+  /// If another event coincides with the touch, the mode changes there, and other guards apply afterwards. The equations then
+  /// define the orbit that stays below the guard by `miss`, just enough not to meet it. A linear step leads from there to the
+  /// grazing.
+  double miss = 0.0;
+  bool others_vague = false;  ///< see LocatedGrazing
+
+ private:
+  static double smallest_miss(double scale) { return 4.0 * guard_tolerance * scale; }
+
+  /// Whether the motions of these equations meet the same events as in the last evaluation with Jacobian.
+  bool meets_same_events(const ShootingEquations& equations) const {
+    for (int k = 0; k < equations.nodes(); ++k)
+      if (equations.stretch(k).event_sequence != sequences_[static_cast<std::size_t>(k)]) return false;
+    return true;
+  }
+
+  GrazingGuess guess_;
+  std::vector<GrazingGuess> others_;  ///< left out too
+  double resume_after_;
+  Vector sizes_;
+  std::vector<std::vector<std::size_t>> sequences_;  ///< of each stretch
+};
+
 }  // namespace
 
 std::optional<GrazingGuess> weakest_contact(OrbitProblem& problem, const Vector& u) {
@@ -298,129 +405,52 @@ std::vector<GrazingGuess> near_misses(OrbitProblem& problem, const Vector& u, do
   return sorted();
 }
 
+std::unique_ptr<DefiningEquations> grazing_equations(const GrazingGuess& guess, const std::vector<GrazingGuess>& others) {
+  return std::make_unique<GrazingEquations>(guess, others);
+}
+
 LocatedGrazing locate_grazing(OrbitProblem& problem, const Vector& start, const GrazingGuess& guess,
                               const std::vector<GrazingGuess>& together, const std::vector<GrazingGuess>& missed) {
-  require_one_parameter(problem);
+  std::vector<GrazingGuess> others = together;
+  others.insert(others.end(), missed.begin(), missed.end());
+  GrazingEquations defining(guess, std::move(others));
+  const LocatedPoint point = locate(problem, defining, start);
   LocatedGrazing located;
-  located.touches = 1 + static_cast<int>(together.size());
-  located.u = start;
+  located.newton = point.newton;
+  located.u = point.u;
+  located.precision = point.precision;
   located.event = guess.event;
+  located.touches = 1 + static_cast<int>(together.size());
+  located.curvature = defining.curvature;
+  located.others_vague = defining.others_vague;
+  located.confirmed = located.newton.converged() && located.curvature < 0.0;
   const HybridSystem& system = problem.system();
   ShootingEquations& equations = problem.equations();
-  const Guard& guard = system.events[guess.event].guard;
-  // The two conditions are the rows after the orbit's equations. The parameter's value is the column after the orbit's unknowns.
-  const Eigen::Index unknowns = problem.unknowns(), size = problem.orbit_unknowns();
-  const int n = problem.states(), j = guess.stretch;
-  double t = guess.t;
-  double resume_after = guess.t_resume - guess.t;
-  const auto leave_out = [&](ShootingEquations& of) {
-    of.leave_out(j, {guess.events_before, t, t + resume_after});
-    for (const auto* others : {&together, &missed})
-      for (const GrazingGuess& other : *others) of.leave_out(other.stretch, {other.events_before, other.t, other.t_resume});
-  };
-  // If another event coincides with the touch, the mode changes there, and other guards apply afterwards. Newton's method then
-  // looks for the orbit that stays below the guard by `miss`, just enough not to meet it. A linear step leads from there to the
-  // grazing.
-  double miss = 0.0;
-  const auto smallest_miss = [&] {
-    return 4.0 * guard_tolerance * (1.0 + problem.orbit_part(located.u).lpNorm<Eigen::Infinity>());
-  };
-  if (resume_after == 0.0) miss = smallest_miss();
-  // Error of the parameter's value by the steps of numerical flows: its change when the steps are halved. `row`: the
-  // parameter's row of the inverse Jacobian.
-  const auto truncation = [&](const Vector& residual, const GuardAndRate& at, const Vector& row) {
-    OrbitProblem finer = problem.in_half_steps();
-    leave_out(finer.equations());
-    Vector there;
-    located.others_vague = !finer.residual(located.u, there, nullptr);
-    for (int k = 0; k < problem.nodes() && !located.others_vague; ++k)
-      located.others_vague = finer.equations().stretch(k).event_sequence != equations.stretch(k).event_sequence;
-    if (located.others_vague) return 0.0;
-    const Touch& touch = finer.equations().stretch(j).touch;
-    const GuardAndRate met =
-        guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, equations.parameters(), problem.parameter());
-    Vector change(unknowns + 1);
-    change << there - residual, met.h - at.h, met.rate - at.rate;
-    return std::abs(row.dot(change));
-  };
-  Vector residual, row;
-  Matrix jacobian;
-  GuardAndRate at;
-  double scale = 1.0, last_step = 0.0;
-  constexpr double near_touch = 1e-6;  // step length below which Newton's method has nearly converged
-  const auto linearise = [&](const Vector& v) -> std::optional<NewtonIterate> {
-    located.u = v.head(unknowns);
-    t = v[unknowns];
-    leave_out(equations);
-    if (!problem.residual(located.u, residual, &jacobian)) return std::nullopt;
-    const Touch& touch = equations.stretch(j).touch;
-    const Vector p = equations.parameters();
-    at = guard_and_rate(guard, system.modes[touch.mode], touch.t, touch.x, p, problem.parameter());
-    const Vector x_dp = equations.fixed_time_dp(j, touch.Phi, touch.Psi).col(0);
-    Matrix A = Matrix::Zero(unknowns + 1, unknowns + 1);
-    A.topLeftCorner(size, unknowns) = jacobian;
-    A.row(size).segment(j * n, n) = at.h_dx.transpose() * touch.Phi;
-    A.row(size + 1).segment(j * n, n) = at.rate_dx.transpose() * touch.Phi;
-    A(size, size) = at.h_dx.dot(x_dp) + at.h_dp;
-    A(size + 1, size) = at.rate_dx.dot(x_dp) + at.rate_dp;
-    Vector f(n);
-    equations.propagator().field(touch.mode, touch.t, touch.x, f);
-    located.curvature = at.rate_dx.dot(f) + at.rate_dt;
-    A(size, unknowns) = at.rate;
-    A(size + 1, unknowns) = located.curvature;
-    Vector right(unknowns + 1);
-    right << -residual, -at.h - miss, -at.rate;
-    scale = 1.0 + problem.orbit_part(located.u).lpNorm<Eigen::Infinity>();
-    const OrbitLU<Matrix> lu(A);
-    NewtonIterate iterate{.residual = right.lpNorm<Eigen::Infinity>() / scale, .step = lu.solve(right)};
-    if (!iterate.step.allFinite()) return iterate;
-    iterate.length = std::max(problem.largest_change(iterate.step.head(unknowns)), std::abs(iterate.step[unknowns])) / scale;
-    last_step = iterate.step[size];
-    row = lu.solve_adjoint(Vector::Unit(unknowns + 1, size));
-    iterate.may_be_last = !(resume_after > 0.0 && iterate.length < near_touch && comes_with_event(problem, guess.event, touch));
-    if (!iterate.may_be_last) {
-      miss = smallest_miss();
-      if (std::abs(at.h + miss) < 0.5 * miss) resume_after = 0.0;
-    }
-    return iterate;
-  };
-  Vector v(unknowns + 1);
-  v << start, t;
-  located.newton = newton_to_rounding(v, linearise, {.max_iterations = 25, .longest = 1.0});
-  located.u = v.head(unknowns);
-  t = v[unknowns];
-  if (located.newton.converged()) {
-    located.confirmed = located.curvature < 0.0;
-    // A truncation error below half of the rounding is covered by it.
-    located.precision = std::max(rounding_of_equations * scale * row.lpNorm<1>(), 2.0 * truncation(residual, at, row));
-    const double left = std::abs(last_step);  // Newton's method does not take its last step
-    if (left > located.precision) located.precision += left;
-  }
-  if (located.confirmed) analyse(problem, guess, at, jacobian, located);
+  if (located.confirmed) analyse(problem, guess, defining.at, defining.orbit_jacobian, located);
   const Vector shortened = problem.orbit_part(located.u);
   if (located.confirmed) {
-    leave_out(equations);
+    defining.leave_out(equations, defining.time);
     located.orbit = problem.orbit(located.u, located.newton);
     located.confirmed = !located.orbit.states.empty();  // else another contact touches too
   }
   if (located.confirmed) {
-    if (miss > 0.0) {
-      located.u += miss / located.top_dp * located.family_dp;
+    if (defining.miss > 0.0) {
+      located.u += defining.miss / located.top_dp * located.family_dp;
       located.orbit.parameters[static_cast<Eigen::Index>(problem.parameter())] = problem.value(located.u);
     }
-    located.touch = equations.stretch(j).touch.x;
+    located.touch = equations.stretch(guess.stretch).touch.x;
     const auto orbit_time = [&](int stretch, double time) {
       const double duration = equations.duration(shortened);
       const double since_phase_0 = equations.orbit_time(shortened, stretch) + time - equations.node_time(shortened, stretch);
       const double within = std::fmod(since_phase_0, duration);
       return within < 0.0 ? within + duration : within;
     };
-    located.t = orbit_time(j, t);
+    located.t = orbit_time(guess.stretch, defining.time);
     const auto events_of = [&](std::size_t event) {
       return event == guess.event && !located.contact_events.empty() ? located.contact_events
                                                                      : instantaneous_contact(system, event);
     };
-    add_contact(system, events_of(guess.event), equations.stretch(j).touch, located.t, located.contacts);
+    add_contact(system, events_of(guess.event), equations.stretch(guess.stretch).touch, located.t, located.contacts);
     for (const GrazingGuess& other : together) {
       const Touch& touch = equations.stretch(other.stretch).touch;
       add_contact(system, events_of(other.event), touch, orbit_time(other.stretch, touch.t), located.contacts);

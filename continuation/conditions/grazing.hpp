@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Grazing: an orbit that touches a barrier with zero speed. It is located by Newton's method on the extended system (Donde &
-// Hiskens, Int. J. Bifurcation Chaos 16 (2006) 671)
+// Grazing: an orbit that touches a barrier with zero speed. Its defining equations are (Donde & Hiskens, Int. J. Bifurcation
+// Chaos 16 (2006) 671)
 //     H(u) = 0,   h(t_g, x(t_g)) = 0,   dh/dt(t_g, x(t_g)) = 0,
 // with the unknowns u (orbit and parameter) and t_g. The touching contact is left out: the motion passes through the guard and
 // continues past t_g. The equations are then smooth for soft and hard contacts. The return map of a hard contact is not smooth:
@@ -9,8 +9,10 @@
 // All times, states and speeds are dimensionless.
 #pragma once
 
+#include <graze/continuation/conditions/defining_equations.hpp>
 #include <graze/continuation/problems/orbit_problem.hpp>
 
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -73,7 +75,10 @@ struct LocatedGrazing {
   Vector kick;      ///< change of state by an impact, per unit of its speed
 };
 
-/// Newton's method from the orbit at u and the guess. The result is a grazing only if it is confirmed.
+/// The defining equations of the touch at the guess; the contacts `others` on other stretches are left out too.
+std::unique_ptr<DefiningEquations> grazing_equations(const GrazingGuess& guess, const std::vector<GrazingGuess>& others = {});
+
+/// Newton's method on them from the orbit at u. The result is a grazing only if it is confirmed.
 ///
 /// `together`: contacts on other stretches that touch together with this one (an orbit symmetric between two barriers). They
 /// are left out too. The linear response describes a single impact, so that the scenario then stays unknown. `missed`: free

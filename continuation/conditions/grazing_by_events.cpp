@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <graze/continuation/conditions/defining_equations.hpp>
 #include <graze/continuation/conditions/grazing_by_events.hpp>
 #include <graze/continuation/problems/clear_section.hpp>
-#include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,24 +10,43 @@ namespace graze {
 
 namespace {
 
-/// Moves u to the solution at which event k has speed zero, by Newton's method in the coordinates of the events. False if it
-/// fails.
+/// The equations of an orbit whose event k has speed zero, in the coordinates of the events.
+class ZeroSpeed : public DefiningEquations {
+ public:
+  ZeroSpeed(SignatureProblem& problem, int k) : problem_(problem), k_(k) {}
+
+  bool evaluate(BranchProblem&, const Vector& u, Vector& F, Matrix* jacobian) override {
+    Vector H;
+    Matrix H_u;
+    if (!problem_.zero_problem().evaluate(u, H, &H_u)) return false;
+    F.resize(H.size() + 1);
+    F << H, problem_.speed(u, k_);
+    if (!jacobian) return true;
+    jacobian->resize(F.size(), u.size());
+    *jacobian << H_u, problem_.speed_gradient(u, k_).transpose();
+    sizes_ = Vector::Constant(F.size(), 1.0 + problem_.largest_change(u));
+    return true;
+  }
+
+  Vector sizes() const override { return sizes_; }
+  NewtonRule rule() const override {
+    NewtonRule rule = newton_to_rounding();
+    rule.longest = 0.1;
+    return rule;
+  }
+
+ private:
+  SignatureProblem& problem_;
+  int k_;
+  Vector sizes_;
+};
+
+/// Moves u to the solution at which event k has speed zero. False if that fails.
 bool to_zero_speed(SignatureProblem& problem, Vector& u, int k) {
-  const ZeroProblem zero = problem.zero_problem();
-  const auto linearise = [&](const Vector& at) -> std::optional<NewtonIterate> {
-    Vector residual;
-    Matrix jacobian;
-    if (!zero.evaluate(at, residual, &jacobian)) return std::nullopt;
-    Matrix A(at.size(), at.size());
-    A << jacobian, problem.speed_gradient(at, k).transpose();
-    Vector right(at.size());
-    right << -residual, -problem.speed(at, k);
-    const double scale = 1.0 + problem.largest_change(at);
-    NewtonIterate out{.residual = right.lpNorm<Eigen::Infinity>() / scale, .step = OrbitLU<Matrix>(A).solve(right)};
-    out.length = problem.largest_change(out.step) / scale;
-    return out;
-  };
-  return newton_to_rounding(u, linearise, {.longest = 0.1}).converged();
+  ZeroSpeed equations(problem, k);
+  DefinedPoint at = solve(problem, equations, u);
+  u = std::move(at.w);
+  return at.newton.converged();
 }
 
 /// A touch of a guard.
@@ -198,14 +217,14 @@ std::optional<Touching> with_touch(SignatureProblem& problem, const Vector& u, c
   return out;
 }
 
-/// Whether the extended system has found this grazing, and not a neighbouring one: the parameter values agree.
+/// Whether the defining equations have this grazing, and not a neighbouring one: the parameter values agree.
 bool agrees(const OrbitProblem& states, const LocatedGrazing& located, const Touching& touching) {
   constexpr double same = 1e-9;
   const double value = states.value(touching.at);
   return std::abs(states.value(located.u) - value) < same * states.size_of_value(value) + 10.0 * located.precision;
 }
 
-/// The grazing at `touching`, located by the extended system. Empty if the system does not confirm it.
+/// The grazing at `touching`, located by its defining equations. Empty if they do not confirm it.
 std::optional<LocatedGrazing> located_at(SignatureProblem& problem, const Vector& u, Touching& touching) {
   SignatureProblem& with = touching.longer ? *touching.longer : problem;
   std::vector<TouchTime> touches = touching_with(with, touching.at, touching.event);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Location of a grazing of a hard contact from an orbit in the coordinates of its events. In these coordinates nothing becomes
 // steep if other impacts are weak, or if several contacts graze together. The method has two steps: Newton's method in these
-// coordinates finds the orbit with speed zero, and the extended system (locate_grazing) confirms it and gives the precision.
+// coordinates finds the orbit with speed zero, and its defining equations (locate_grazing) confirm it and give the precision.
 #pragma once
 
 #include <graze/continuation/conditions/grazing.hpp>

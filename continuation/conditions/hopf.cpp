@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/conditions/hopf.hpp>
 #include <graze/lib/numerics/decompositions.hpp>
-#include <graze/lib/numerics/newton.hpp>
+#include <graze/lib/tasks/newton_loop.hpp>
 
 #include <Eigen/LU>
 
@@ -24,19 +24,23 @@ class Equilibria {
   std::complex<double> eigenvalue(double value, double omega) {
     constexpr double reached = 1e-13;
     p_[parameter_] = value;
-    Vector f(x_.size()), step;
+    Vector f(x_.size()), last_step;
     Matrix J(x_.size(), x_.size());
-    const auto linearise = [&](const Vector& x) -> std::optional<NewtonIterate> {
+    // The field may have any unit, so that the step takes the place of the residual.
+    const auto length = [&](const Vector& x) -> std::optional<double> {
       mode_.field(0.0, x, p_, f);
       mode_.field_dx(0.0, x, p_, J);
-      step = -J.partialPivLu().solve(f);
-      // The field may have any unit, so that the step takes the place of the residual.
-      const double length = step.lpNorm<Eigen::Infinity>() / (1.0 + (x + step).lpNorm<Eigen::Infinity>());
-      return NewtonIterate{.residual = length, .step = step, .length = length};
+      last_step = -J.partialPivLu().solve(f);
+      return last_step.lpNorm<Eigen::Infinity>() / (1.0 + (x + last_step).lpNorm<Eigen::Infinity>());
     };
-    const NewtonRule rule{.max_iterations = 50, .acceptance = reached, .shortest = reached};
-    if (!newton_to_rounding(x_, linearise, rule).converged()) return std::numeric_limits<double>::quiet_NaN();
-    x_ += step;
+    const auto solve = [&](const Vector& x, Vector& step) -> NewtonStep {
+      step = last_step;
+      return {.length = step.lpNorm<Eigen::Infinity>(), .size = 1.0 + (x + step).lpNorm<Eigen::Infinity>()};
+    };
+    NewtonRule rule = newton_to_rounding(reached, reached);
+    rule.max_iterations = 50;
+    if (!newton(x_, length, solve, rule).converged()) return std::numeric_limits<double>::quiet_NaN();
+    x_ += last_step;
     mode_.field_dx(0.0, x_, p_, J);
     const Eigen::VectorXcd all = eigenvalues(J);
     const std::complex<double> wanted(0.0, omega);

@@ -6,7 +6,7 @@
 // A sign change is therefore NS only if pairs cross the circle while the numbers of pairs and of real multipliers beyond +-1
 // stay the same. If these numbers change too (LP, PD, or a pair becomes real), the step is halved. In a dissipative system with
 // one degree of freedom det M < 1: neither NS nor a neutral saddle can occur.
-#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/multiplier_equations.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 
 #include <cmath>
@@ -55,7 +55,7 @@ TestFunction neimark_sacker_test() {
       if (mu.imag() != 0.0) least = std::min(least, std::abs(std::abs(mu) - 1.0));
     return least;
   };
-  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint& near) {
+  test.equations = [](const TestPoint& near) {
     double theta = 0.0, closest = std::numeric_limits<double>::infinity();
     for (const auto& mu : nontrivial(near.branch.multipliers)) {
       if (mu.imag() > 0.0 && std::abs(std::log(std::abs(mu))) < closest) {
@@ -63,7 +63,7 @@ TestFunction neimark_sacker_test() {
         theta = std::arg(mu);
       }
     }
-    return locate_multiplier(problem, u, {.theta = theta, .theta_free = true});
+    return multiplier_equations({.theta = theta, .theta_free = true});
   };
   test.describe = [](BranchProblem&, const LocatedPoint& located, SpecialPoint& point) {
     point.details["angle"] = located.theta;

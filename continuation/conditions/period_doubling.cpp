@@ -11,7 +11,7 @@
 // w^H K(-1) = 0, phi = (v, -v), psi = (w, -w) and H_u h2 = -H_uu phi phi, the Lyapunov-Schmidt reduction gives the same
 // coefficient, for the amplitude along phi:
 //     c = -psi . [H_uuu phi phi phi + 3 H_uu phi h2] / (12 w . (dK/dsigma) v).
-#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/multiplier_equations.hpp>
 #include <graze/continuation/conditions/own_coordinates.hpp>
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/lib/numerics/null_vectors.hpp>
@@ -157,7 +157,7 @@ std::optional<BranchStart> doubled_start(const SpecialPoint& pd, OrbitProblem& p
   const Vector& u = own.u;
   std::optional<SignatureProblem>& by_events = own.by_events;
   BranchProblem& problem = by_events ? static_cast<BranchProblem&>(*by_events) : parent;
-  const LocatedPoint located = locate_multiplier(problem, u, {.theta = std::numbers::pi});
+  const LocatedPoint located = locate(problem, *multiplier_equations({.theta = std::numbers::pi}), u);
   if (located.v.size() == 0) return std::nullopt;
   if (by_events && !located.newton.converged()) return std::nullopt;
   const BranchProblem::Doubled doubled = problem.doubled(by_events ? located.u : u);
@@ -237,9 +237,7 @@ TestFunction period_doubling_test() {
     return (real_beyond(before, -1) + real_beyond(after, -1)) % 2 == 1;
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, -1.0); };
-  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) {
-    return locate_multiplier(problem, u, {.theta = std::numbers::pi});
-  };
+  test.equations = [](const TestPoint&) { return multiplier_equations({.theta = std::numbers::pi}); };
   test.describe = describe;
   Birth doubled{.multiple = 2, .certain = true, .missing = "no doubled orbit was found"};
   doubled.start = [](const SpecialPoint& pd, const Branch&, OrbitProblem& states, int, const TraceOptions& options) {

@@ -1,27 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // TestFunction: the definition of one type of bifurcation: a scalar along a branch whose sign change announces a special point,
-// a confirmation, the extended system that locates the point, and the branch that is born there.
+// a confirmation, the equations that define the point, and the branch that is born there.
 //
 // To add a bifurcation, write a file in this folder that makes a TestFunction, and add one line to test_functions(). A program
 // that uses the library passes its own in ContinuationOptions::further_tests, with the type UZ and a name. zero_test() makes one
-// from a scalar of the orbit. locate_multiplier() (multiplier_condition.hpp) locates the points at which a multiplier has a
-// value. The functions are called from several threads if several branches are followed in parallel.
+// from a scalar of the orbit. multiplier_equations() defines the points at which a multiplier has a value. The functions are
+// called from several threads if several branches are followed in parallel.
 #pragma once
 
 #include <graze/continuation/conditions/birth.hpp>
-#include <graze/continuation/conditions/located_point.hpp>
+#include <graze/continuation/conditions/defining_equations.hpp>
 #include <graze/continuation/problems/branch.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
 #include <complex>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace graze {
-
-class BranchProblem;
 
 /// Input of a test function: a point of the curve with its multipliers.
 struct TestPoint {
@@ -46,9 +45,10 @@ struct TestFunction {
   std::function<bool(const TestPoint& before, const TestPoint& after)> too_far_apart = {};
   /// Distance of the multipliers from those at the bifurcation; infinity if there are none to compare.
   std::function<double(const BranchPoint& point)> distance;
-  /// Newton's method on the extended system from u, in the branch's own coordinates. `near` is a neighbouring point. If it does
-  /// not converge, the sign change is bracketed along the branch, and the point is kept if `distance` is small there.
-  std::function<LocatedPoint(BranchProblem& problem, const Vector& u, const TestPoint& near)> locate;
+  /// The equations that define the point, with first guesses from a neighbouring point; locate() solves them in the branch's own
+  /// coordinates. If it does not converge, the sign change is bracketed along the branch, and the point is kept if `distance` is
+  /// small there.
+  std::function<std::unique_ptr<DefiningEquations>(const TestPoint& near)> equations;
   /// Adds details to the located point. Empty: none.
   std::function<void(BranchProblem& problem, const LocatedPoint& located, SpecialPoint& point)> describe = {};
   std::optional<Birth> born = {};  ///< the branch that is born there; none: no branch is

@@ -2,11 +2,11 @@
 // UZ: a scalar of the orbit, given by the user, is zero. Located by Newton's method on H(u) = 0, g(u) = 0. The gradient of g is
 // formed by central differences, because g is known as a function of the orbit only.
 #include <graze/continuation/conditions/test_function.hpp>
-#include <graze/continuation/problems/branch_problem.hpp>
-#include <graze/lib/numerics/orbit_lu.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 namespace graze {
@@ -15,54 +15,48 @@ namespace {
 
 using Scalar = std::function<double(const BranchPoint& point)>;
 
-LocatedPoint locate_zero(BranchProblem& problem, const Vector& start, const Scalar& scalar) {
-  constexpr double difference_step = 1e-6;
-  const ZeroProblem zero = problem.zero_problem();
-  require_one_parameter(problem);
-  const Eigen::Index unknowns = problem.unknowns(), equations = problem.orbit_unknowns();
-  const double scale = problem.state_scale(start);
-  const auto g = [&](BranchProblem& of, const Vector& u) { return scalar(of.branch_point(u, 0.0)); };
-  Vector F(unknowns), row;
-  double last_step = 0.0, g_scale = 1.0;
-  const auto linearise = [&](const Vector& u) -> std::optional<NewtonIterate> {
-    Matrix A(unknowns, unknowns);
-    const double g_here = g(problem, u);
-    g_scale = 1.0;
+class ZeroOfScalar : public DefiningEquations {
+ public:
+  explicit ZeroOfScalar(Scalar scalar) : scalar_(std::move(scalar)) {}
+
+  bool evaluate(BranchProblem& problem, const Vector& u, Vector& F, Matrix* jacobian) override {
+    constexpr double difference_step = 1e-6;
+    const Eigen::Index unknowns = problem.unknowns(), equations = problem.orbit_unknowns();
+    const auto g = [&](const Vector& at) { return scalar_(problem.branch_point(at, 0.0)); };
+    F.resize(equations + 1);
+    F[equations] = g(u);
+    Vector H;
+    if (!jacobian) {
+      if (!problem.zero_problem().evaluate(u, H, nullptr)) return false;
+      F.head(equations) = H;
+      return true;
+    }
+    if (!(scale_ > 0.0)) scale_ = problem.state_scale(u);
+    jacobian->resize(equations + 1, unknowns);
+    double g_size = 1.0;
     for (Eigen::Index i = 0; i < unknowns; ++i) {
       const double h = difference_step * problem.size_of_unknown(u, i);
-      const double g_ahead = g(problem, u + h * Vector::Unit(unknowns, i)),
-                   g_behind = g(problem, u - h * Vector::Unit(unknowns, i));
-      A(equations, i) = (g_ahead - g_behind) / (2.0 * h);
-      g_scale = std::max(g_scale, std::abs(A(equations, i)) * (i < equations ? scale : problem.unit() * scale));
+      const double slope = (g(u + h * Vector::Unit(unknowns, i)) - g(u - h * Vector::Unit(unknowns, i))) / (2.0 * h);
+      (*jacobian)(equations, i) = slope;
+      g_size = std::max(g_size, std::abs(slope) * (i < equations ? scale_ : problem.unit() * scale_));
     }
-    Vector residual;
-    Matrix jacobian;
-    if (!zero.evaluate(u, residual, &jacobian)) return std::nullopt;
-    A.topRows(equations) = jacobian;
-    F << residual, g_here;
-    const OrbitLU<Matrix> lu(A);
-    NewtonIterate at;
-    at.residual = std::max(residual.lpNorm<Eigen::Infinity>() / scale, std::abs(g_here) / g_scale);
-    at.step = lu.solve(-F);
-    at.length = problem.largest_change(at.step) / scale;
-    row = lu.solve_adjoint(Vector::Unit(unknowns, equations));
-    last_step = at.step[equations];
-    return at;
-  };
-  LocatedPoint located;
-  located.u = start;
-  located.newton = newton_to_rounding(located.u, linearise, {.acceptance = 1e-10, .shortest = 1e-13});
-  if (!located.newton.converged()) return located;
-  const double noise = scale * row.head(equations).lpNorm<1>() + g_scale * std::abs(row[equations]);
-  const double by_steps = error_of_steps(problem, row, F, [&](BranchProblem& finer) -> Vector {
-    Vector there(unknowns), residual;
-    if (!finer.zero_problem().evaluate(located.u, residual, nullptr)) return {};
-    there << residual, g(finer, located.u);
-    return there;
-  });
-  located.precision = std::max(rounding_of_equations * noise + std::abs(last_step), by_steps);
-  return located;
-}
+    Matrix H_u;
+    if (!problem.zero_problem().evaluate(u, H, &H_u)) return false;
+    F.head(equations) = H;
+    jacobian->topRows(equations) = H_u;
+    sizes_ = Vector::Constant(equations + 1, scale_);
+    sizes_[equations] = g_size;
+    return true;
+  }
+
+  Vector sizes() const override { return sizes_; }
+  NewtonRule rule() const override { return newton_to_rounding(1e-10, 1e-13); }
+
+ private:
+  Scalar scalar_;
+  double scale_ = 0.0;
+  Vector sizes_;
+};
 
 }  // namespace
 
@@ -73,7 +67,7 @@ TestFunction zero_test(std::string name, const Scalar& scalar) {
   test.value = [scalar](const TestPoint& point) { return scalar(point.branch); };
   test.confirm = [](const TestPoint&, const TestPoint&) { return true; };
   test.distance = [](const BranchPoint&) { return std::numeric_limits<double>::infinity(); };
-  test.locate = [scalar](BranchProblem& problem, const Vector& u, const TestPoint&) { return locate_zero(problem, u, scalar); };
+  test.equations = [scalar](const TestPoint&) { return std::make_unique<ZeroOfScalar>(scalar); };
   test.condition = std::move(name);
   return test;
 }

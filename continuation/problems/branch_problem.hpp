@@ -236,13 +236,4 @@ void require_one_parameter(const BranchProblem& problem);
 /// Rounding of one evaluation of an orbit's equations, relative to 1 + |x|: ten times the measured scatter of a period's map.
 inline constexpr double rounding_of_equations = 1e-14;
 
-/// Error of an unknown of extended equations F(v) = 0 by the steps of numerical flows: 2 |row (F_half - F)|, with F_half the
-/// equations at the solution for half the steps. `row`: the unknown's row of the inverse Jacobian; `evaluate`: returns F_half,
-/// or an empty vector if the equations cannot be evaluated with these steps. The error is 0 then.
-inline double error_of_steps(const BranchProblem& problem, const Vector& row, const Vector& F,
-                             const std::function<Vector(BranchProblem& finer)>& evaluate) {
-  const Vector finer = evaluate(*problem.with_half_steps());
-  return finer.size() > 0 && finer.allFinite() ? 2.0 * std::abs(row.dot(finer - F)) : 0.0;
-}
-
 }  // namespace graze

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/continuation/trace/trace.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
+#include <graze/lib/tasks/newton_loop.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace graze {
 
@@ -77,45 +79,31 @@ Prediction predict(const ZeroProblem& problem, const CurvePoint& last, double st
 
 }  // namespace
 
-// A loop of its own: it ends at the tolerance, and saves the evaluations by which newton_to_rounding gets to rounding.
 NewtonReport correct(const ZeroProblem& problem, const Vector& direction, Vector& u, const TraceOptions& options) {
-  NewtonReport report;
+  constexpr double none = std::numeric_limits<double>::infinity();
   const Vector weighted = weights_of(problem).cwiseProduct(direction);
-  const double tolerance = options.tolerance * problem.size, acceptance = options.acceptance * problem.size;
+  // Full steps; the first residual below the tolerance is enough, because the next prediction starts with a larger error.
+  const NewtonRule rule{.max_iterations = options.max_iterations,
+                        .acceptance = options.acceptance,
+                        .tolerance = options.acceptance,
+                        .rounding = options.tolerance,
+                        .isolated = true,
+                        .growth = 10.0,
+                        .max_halvings = 0,
+                        .max_step = none};
   Vector residual;
   Matrix jacobian;
-  if (!problem.evaluate(u, residual, &jacobian)) {
-    report.status = NewtonStatus::evaluation_failed;
-    return report;
-  }
-  report.residual_history.push_back(residual.lpNorm<Eigen::Infinity>());
-  Vector right(problem.unknowns);
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+  const auto evaluate = [&](const Vector& trial) -> std::optional<double> {
+    if (!problem.evaluate(trial, residual, &jacobian)) return std::nullopt;
+    return residual.lpNorm<Eigen::Infinity>() / problem.size;
+  };
+  const auto solve = [&](const Vector& at, Vector& step) {
+    Vector right(problem.unknowns);
     right << -residual, 0.0;
-    const Vector step = OrbitLU<Matrix>(bordered(jacobian, weighted)).solve(right);
-    if (!step.allFinite()) {
-      report.status = NewtonStatus::singular;
-      return report;
-    }
-    const Vector before = u;
-    u += step;
-    if (!problem.evaluate(u, residual, &jacobian)) {
-      report.status = NewtonStatus::evaluation_failed;
-      return report;
-    }
-    const double last = report.residual(), now = residual.lpNorm<Eigen::Infinity>();
-    report.residual_history.push_back(now);
-    if (now <= tolerance || (now <= acceptance && now >= 0.5 * last)) {
-      report.status = NewtonStatus::converged;
-      return report;
-    }
-    if (!(now < 10.0 * last)) {
-      report.status = NewtonStatus::stalled;
-      return report;
-    }
-  }
-  report.status = report.residual() <= acceptance ? NewtonStatus::converged : NewtonStatus::iteration_limit;
-  return report;
+    step = OrbitLU<Matrix>(bordered(jacobian, weighted)).solve(right);
+    return NewtonStep{.length = step.lpNorm<Eigen::Infinity>(), .size = 1.0 + at.lpNorm<Eigen::Infinity>()};
+  };
+  return newton(u, evaluate, solve, rule);
 }
 
 Vector tangent_at(const ZeroProblem& problem, const Vector& u, const Vector& orientation) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/attractor/attractor_task.hpp>
 #include <graze/floquet/attractor/search.hpp>
-#include <graze/floquet/orbit/newton_on_nodes.hpp>
 #include <graze/floquet/orbit/search_box.hpp>
+#include <graze/floquet/orbit/shooting_nodes.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/numerics/parallel.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
@@ -17,6 +17,7 @@
 #include <random>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 namespace graze {
 
@@ -53,13 +54,12 @@ class QuickNodes : public ShootingNodes {
   QuickNodes(ShootingEquations& equations, const Vector& lower, const Vector& upper)
       : ShootingNodes(equations, {.sensitivity = Sensitivity::state, .max_events = most_events}), lower_(lower), upper_(upper) {}
 
-  std::suspend_never carry(const Vector& trial) {
+  std::optional<double> residual(const Vector& trial) {
     const auto x = trial.head(lower_.size()).array();
-    inside_ = is_start_ || ((x >= lower_.array()).all() && (x <= upper_.array()).all());
-    is_start_ = false;
-    return inside_ ? ShootingNodes::carry(trial) : std::suspend_never{};
+    const bool inside = (x >= lower_.array()).all() && (x <= upper_.array()).all();
+    const bool is_start = std::exchange(is_start_, false);
+    return inside || is_start ? ShootingNodes::residual(trial) : std::nullopt;
   }
-  std::optional<double> residual(const Vector& trial) { return inside_ ? ShootingNodes::residual(trial) : std::nullopt; }
   bool gives_up(const NewtonReport& report) const {
     const std::vector<double>& history = report.residual_history;
     return history.back() <= quick_residual ||
@@ -68,7 +68,7 @@ class QuickNodes : public ShootingNodes {
 
  private:
   const Vector &lower_, &upper_;
-  bool is_start_ = true, inside_ = true;
+  bool is_start_ = true;
 };
 
 namespace {
@@ -115,13 +115,13 @@ class Shooter {
       u.segment(j * n, n) = *next;
     }
     QuickNodes nodes(its, lower_, upper_);
-    const DampedNewtonRule rule{.tolerance = quick_residual,
-                                .acceptance = quick_residual,
-                                .rounding = quick_residual,
-                                .max_iterations = std::min(quick_iterations, shooting_.max_iterations),
-                                .max_halvings = std::min(quick_halvings, shooting_.max_halvings),
-                                .max_step = shooting_.max_step};
-    const NewtonReport report = result_at_once(newton_on_nodes(nodes, rule, u));
+    const NewtonRule rule{.max_iterations = std::min(quick_iterations, shooting_.max_iterations),
+                          .acceptance = quick_residual,
+                          .tolerance = quick_residual,
+                          .rounding = quick_residual,
+                          .max_halvings = std::min(quick_halvings, shooting_.max_halvings),
+                          .max_step = shooting_.max_step};
+    const NewtonReport report = result_at_once(newton_loop(nodes, rule, u));
     if (report.residual_history.empty() || report.residual() > quick_residual) return std::nullopt;
     return u;
   }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/lane_orbits.hpp>
 #include <graze/floquet/orbit/least_period.hpp>
-#include <graze/floquet/orbit/newton_on_nodes.hpp>
+#include <graze/floquet/orbit/shooting.hpp>
 #include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/numerics/cyclic_blocks.hpp>
 #include <graze/lib/numerics/log_product.hpp>
+#include <graze/lib/tasks/newton_loop.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
 #include <algorithm>
@@ -38,8 +39,8 @@ double growth(const std::vector<PeriodResult>& periods) {
 
 /// The rule of shoot(), which also ends where the residual is rounding: one evaluation less for most orbits. (In shoot() a
 /// further step may change the last digits.)
-DampedNewtonRule rule_in_lanes(const NewtonPatience& patience) {
-  DampedNewtonRule rule = newton_rule({});
+NewtonRule rule_in_lanes(const NewtonPatience& patience) {
+  NewtonRule rule = newton_rule({});
   rule.max_halvings = patience.max_halvings;
   rule.rounding = 1e-15;
   return rule;
@@ -54,7 +55,7 @@ class LaneNodes {
 
   LaneNodes(TaskSlot& lane, double most_growth) : lane_(lane), most_growth_(most_growth) {}
 
-  TaskSlot::Carrying carry(const Unknowns& trial) {
+  TaskSlot::Carrying evaluate(const Unknowns& trial) {
     motions_.clear();
     for (const Pair& node : trial) motions_.push_back({lane_.parameters(), node[0], node[1]});
     return lane_.carry(motions_, 1, true);
@@ -76,16 +77,15 @@ class LaneNodes {
     given_up_ = report.iterations() == 0 && growth(carried_) > most_growth_;
     return given_up_;
   }
-  double solve(const Unknowns&) {
+  NewtonStep solve(const Unknowns& u) {
     Phi_.clear();
     for (const PeriodResult& period : carried_) Phi_.push_back(period.Phi);
     blocks_.solve(Phi_, residual_, step_);
     double length = 0.0;
     for (const Pair& one : step_)
       for (const double entry : one) length = std::isfinite(entry) ? std::max(length, std::abs(entry)) : std::nan("");
-    return length;
+    return {.length = length, .size = size(u)};
   }
-  double size(const Unknowns& u) const { return 1.0 + nodes_size(u); }
   void move(const Unknowns& u, double factor, Unknowns& trial) const {
     for (std::size_t k = 0; k < u.size(); ++k)
       for (std::size_t i = 0; i < 2; ++i) trial[k][i] = u[k][i] + factor * step_[k][i];
@@ -119,6 +119,8 @@ class LaneNodes {
   }
 
  private:
+  static double size(const Unknowns& u) { return 1.0 + nodes_size(u); }
+
   TaskSlot& lane_;
   double most_growth_;
   std::vector<MotionStart> motions_;
@@ -131,10 +133,10 @@ class LaneNodes {
 
 namespace {
 
-MotionTask<LaneOrbit> newton(TaskSlot& slot, std::vector<Pair> states, NewtonPatience patience) {
+MotionTask<LaneOrbit> newton_in_lane(TaskSlot& slot, std::vector<Pair> states, NewtonPatience patience) {
   LaneNodes nodes(slot, patience.most_growth);
-  const DampedNewtonRule rule = rule_in_lanes(patience);
-  const NewtonReport report = co_await newton_on_nodes(nodes, rule, states);
+  const NewtonRule rule = rule_in_lanes(patience);
+  const NewtonReport report = co_await newton_loop(nodes, rule, states);
   co_return nodes.orbit(report, std::move(states));
 }
 
@@ -143,12 +145,12 @@ MotionTask<LaneOrbit> newton(TaskSlot& slot, std::vector<Pair> states, NewtonPat
 MotionTask<LaneOrbit> shoot_in_lanes(TaskSlot& slot, const std::vector<Vector>& guess, NewtonPatience patience) {
   std::vector<Pair> states;
   std::transform(guess.begin(), guess.end(), std::back_inserter(states), [](const Vector& state) { return pair_of(state); });
-  LaneOrbit orbit = co_await newton(slot, std::move(states), patience);
+  LaneOrbit orbit = co_await newton_in_lane(slot, std::move(states), patience);
   const NewtonPatience any_growth{.max_halvings = patience.max_halvings};
   if (!orbit.converged) co_return orbit;
   for (const std::size_t shorter : shorter_periods(orbit.states)) {
     std::vector<Pair> single = guess_of_shorter(orbit.states, shorter);
-    LaneOrbit found = co_await newton(slot, std::move(single), any_growth);
+    LaneOrbit found = co_await newton_in_lane(slot, std::move(single), any_growth);
     if (!found.converged) continue;
     const double distance = state_distance(found.states[0], orbit.states[0]);
     if (!is_repeated(found.multipliers, orbit.states.size() / found.states.size(), distance, state_size(orbit.states[0])))

@@ -2,7 +2,7 @@
 #include <graze/floquet/orbit/shooting.hpp>
 
 #include <graze/floquet/orbit/least_period.hpp>
-#include <graze/floquet/orbit/newton_on_nodes.hpp>
+#include <graze/floquet/orbit/shooting_nodes.hpp>
 #include <graze/lib/motion/rest.hpp>
 
 #include <fmt/format.h>
@@ -96,10 +96,10 @@ void add_stroboscopic_states(ShootingEquations& equations, const Vector& u, Peri
 
 }  // namespace
 
-DampedNewtonRule newton_rule(const ShootingOptions& options) {
-  return {.tolerance = options.tolerance,
+NewtonRule newton_rule(const ShootingOptions& options) {
+  return {.max_iterations = options.max_iterations,
           .acceptance = options.acceptance,
-          .max_iterations = options.max_iterations,
+          .tolerance = options.tolerance,
           .max_halvings = options.max_halvings,
           .max_step = options.max_step};
 }
@@ -193,7 +193,7 @@ PeriodicOrbit shoot(const HybridSystem& system, const Vector& p, const std::vect
   Vector u = nodes_from(equations, guess, duration_guess);
   if (equations.autonomous()) equations.set_phase_reference(guess.front());
   ShootingNodes on_nodes(equations);
-  NewtonReport report = result_at_once(newton_on_nodes(on_nodes, newton_rule(options), u));
+  NewtonReport report = result_at_once(newton_loop(on_nodes, newton_rule(options), u));
   PeriodicOrbit orbit = describe_orbit(equations, u, std::move(report));
   if (orbit.converged() && options.reduce_period && period > 1) {
     for (const std::size_t shorter : shorter_periods(orbit.states)) {

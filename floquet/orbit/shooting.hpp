@@ -22,7 +22,7 @@ struct ShootingOptions {
 };
 
 /// The rule of Newton's method for orbits, on any kind of motion.
-DampedNewtonRule newton_rule(const ShootingOptions& options);
+NewtonRule newton_rule(const ShootingOptions& options);
 
 /// Newton from `guess` (state at phase 0, or several states at equally spaced times for multiple shooting). An autonomous
 /// system needs `duration_guess`. The result is always returned; converged() tells whether it is an orbit.

@@ -23,50 +23,20 @@ std::string_view newton_status_text(NewtonStatus status) {
   return "not run";
 }
 
-NewtonReport newton_to_rounding(Vector& v, const std::function<std::optional<NewtonIterate>(const Vector& v)>& linearise,
-                                const NewtonRule& rule) {
-  NewtonReport report;
-  constexpr double none = std::numeric_limits<double>::infinity();
-  double last_length = none;
-  for (int iteration = 0; iteration < rule.max_iterations; ++iteration) {
-    const std::optional<NewtonIterate> at = linearise(v);
-    if (!at) {
-      report.status = NewtonStatus::evaluation_failed;
-      return report;
-    }
-    report.residual_history.push_back(at->residual);
-    if (!at->step.allFinite()) {
-      report.status = NewtonStatus::singular;
-      return report;
-    }
-    const bool is_rounding = at->length < rule.shortest || at->length >= 0.5 * last_length;
-    if (at->may_be_last && at->residual < rule.acceptance && is_rounding) {
-      report.status = NewtonStatus::converged;
-      return report;
-    }
-    if (at->length > rule.longest) {
-      report.status = NewtonStatus::stalled;
-      return report;
-    }
-    last_length = at->may_be_last ? at->length : none;
-    v += at->step;
-  }
-  report.status = NewtonStatus::iteration_limit;
-  return report;
+/// Ends the iteration. It has converged if the residual is accepted, unless the step decides.
+void NewtonIteration::end(NewtonStatus otherwise) {
+  const bool accepted = begun() && !rule_.step_rounding && report_.residual() <= rule_.acceptance;
+  end_as(accepted ? NewtonStatus::converged : otherwise);
 }
 
-/// Ends the iteration: converged if the residual is accepted.
-void DampedNewton::end(NewtonStatus otherwise) {
-  report_.status = begun() && report_.residual() <= rule_.acceptance ? NewtonStatus::converged : otherwise;
-  open_ = false;
-}
-
-void DampedNewton::end_without_step() {
+/// Ends the iteration because no step from the iterate can be taken. Then an accepted residual does not show how near an isolated
+/// solution is.
+void NewtonIteration::end_without_step(NewtonStatus otherwise) {
   report_.residual_history.push_back(report_.residual());
-  end(NewtonStatus::stalled);
+  rule_.isolated ? end_as(otherwise) : end(otherwise);
 }
 
-bool DampedNewton::take(std::optional<double> residual) {
+bool NewtonIteration::take(std::optional<double> residual) {
   if (!begun()) {
     if (residual && std::isfinite(*residual))
       report_.residual_history.push_back(*residual);
@@ -75,30 +45,47 @@ bool DampedNewton::take(std::optional<double> residual) {
     return begun();
   }
   const double before = report_.residual();
-  if (!residual || !(*residual < before)) {
+  const bool may_grow = std::isinf(rule_.growth) || (rule_.isolated && residual && *residual <= rule_.acceptance);
+  if (!residual || !(may_grow || *residual < rule_.growth * before)) {
     const bool at_rounding = residual && before <= rule_.acceptance;  // halving gains nothing
     factor_ *= 0.5;
-    if (at_rounding || ++halvings_ > rule_.max_halvings) end_without_step();
+    if (at_rounding || ++halvings_ > rule_.max_halvings) {
+      const bool only_trial = halvings_ == 1;
+      end_without_step(!residual && only_trial ? NewtonStatus::evaluation_failed : NewtonStatus::stalled);
+    }
     return false;
   }
   report_.residual_history.push_back(*residual);
-  if (*residual <= rule_.rounding || (*residual <= rule_.tolerance && *residual > 0.5 * before))
+  const bool is_small = *residual <= rule_.rounding || (*residual <= rule_.tolerance && *residual > 0.5 * before);
+  if (is_small && !rule_.step_rounding)
     end(NewtonStatus::stalled);
   else if (report_.iterations() >= rule_.max_iterations)
     end(NewtonStatus::iteration_limit);
   return true;
 }
 
-void DampedNewton::begin_step(double length, double size) {
-  // A step that is so long compared with the residual shows a Jacobian that is singular up to rounding: the solution is one of a
-  // family, and the step leads along it.
-  constexpr double rounding = 1e-13;  // of the Jacobian's smallest singular value
-  const double residual = report_.residual();
-  if (!std::isfinite(length)) return end(NewtonStatus::singular);
-  if (residual <= rule_.acceptance && residual < rounding * (length / size)) return end(NewtonStatus::stalled);
+/// Whether the iteration ends here because of the step, which is not taken.
+bool NewtonIteration::ends_before(const NewtonStep& step) {
+  const double residual = report_.residual(), length = step.length / step.size;
+  if (!rule_.isolated && residual <= rule_.acceptance) {
+    // A step that is so long compared with the residual shows a Jacobian that is singular up to rounding: the solution is one of
+    // a family, and the step leads along it.
+    constexpr double rounding = 1e-13;  // of the Jacobian's smallest singular value
+    if (!std::isfinite(length) || residual < rounding * length) return true;
+  }
+  if (!rule_.step_rounding || !std::isfinite(length)) return false;
+  const bool is_rounding = length < *rule_.step_rounding || length >= 0.5 * last_length_;
+  last_length_ = step.may_be_last ? length : std::numeric_limits<double>::infinity();
+  return step.may_be_last && residual < rule_.acceptance && is_rounding;
+}
+
+void NewtonIteration::begin_step(const NewtonStep& step) {
+  if (ends_before(step)) return end_as(NewtonStatus::converged);
+  if (!std::isfinite(step.length)) return end_as(NewtonStatus::singular);
+  if (step.length > rule_.longest * step.size) return end_as(NewtonStatus::stalled);
   // A step much longer than the unknowns comes from a nearly singular Jacobian and is useless; only its direction is kept.
-  const double longest = rule_.max_step * size;
-  factor_ = length > longest ? longest / length : 1.0;
+  const double longest = rule_.max_step * step.size;
+  factor_ = step.length > longest ? longest / step.length : 1.0;
   halvings_ = 0;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbit equations with two free parameters: their derivatives agree with central differences and with the equations in one
 // parameter, every conversion of an orbit keeps both values, and with one condition more they give curves in two parameters.
-#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/grazing.hpp>
+#include <graze/continuation/conditions/multiplier_equations.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
 #include <graze/continuation/trace/trace.hpp>
-#include <graze/lib/numerics/null_vectors.hpp>
 
 #include "support/checks.hpp"
 #include "support/damped_hertz.hpp"
@@ -263,46 +263,17 @@ TEST_CASE(
   refused([&] { return problem.pack({x}, 0.0, 0.97); });
   refused([&] { return SignatureProblem(system, p, 1, {0}, two).pack({{0}, {0.2}, {x}}, 0.97); });
   // A bifurcation is a point in one parameter only.
-  refused([&] { return locate_multiplier(problem, problem.pack({x}, 0.0, Vector{{0.97, 2.0}}), {.theta = std::numbers::pi}); });
+  const Vector u = problem.pack({x}, 0.0, Vector{{0.97, 2.0}});
+  refused([&] { return locate(problem, *multiplier_equations({.theta = std::numbers::pi}), u); });
 }
 
 namespace {
 
-/// The period doublings of a problem with two free parameters as a curve: its equations, and g(u) = 0 with g from the bordered
-/// K(-1) (multiplier_condition.hpp). The borders are those of the start.
-ZeroProblem period_doublings(BranchProblem& problem, const Vector& start) {
-  const ZeroProblem orbits = problem.zero_problem();
-  evaluated(problem, start);
-  const NullVectors<Matrix> border = null_vectors(Matrix(problem.cyclic(start, -1.0).real()));
-  ZeroProblem curve = orbits;
-  curve.evaluate = [&problem, orbits, border](const Vector& u, Vector& residual, Matrix* jacobian) {
-    Vector H;
-    Matrix H_u;
-    if (!orbits.evaluate(u, H, &H_u)) return false;
-    const Matrix K = problem.cyclic(u, -1.0).real();
-    const Eigen::Index size = K.rows();
-    Matrix A = Matrix::Zero(size + 1, size + 1);
-    A.topLeftCorner(size, size) = K;
-    A.col(size).head(size) = border.left;
-    A.row(size).head(size) = border.right.transpose();
-    const OrbitLU<Matrix> lu(A);
-    const Vector unit = Vector::Unit(size + 1, size), v = lu.solve(unit), w = lu.solve_adjoint(unit);
-    residual.resize(H.size() + 1);
-    residual << H, v[size];
-    if (!jacobian) return residual.allFinite();
-    jacobian->resize(H.size() + 1, problem.unknowns());
-    const Eigen::VectorXcd right = v.head(size).cast<std::complex<double>>(), left = w.head(size).cast<std::complex<double>>();
-    *jacobian << H_u, -problem.cyclic_derivative(u, -1.0, left, right).real().transpose();
-    return residual.allFinite() && jacobian->allFinite();
-  };
-  return curve;
-}
-
 /// The period doubling in eta of orbits with one impact near these parameters.
 OneImpactParameters period_doubling_near(OneImpactParameters q) {
   OrbitProblem problem(newton_oscillator(), parameters_of(q), 1, 1, oscillator_parameter::eta, 0.1);
-  const LocatedPoint located =
-      locate_multiplier(problem, problem.pack(newton_orbit(q, 1).nodes, 0.0, q.eta), {.theta = std::numbers::pi});
+  const Vector start = problem.pack(newton_orbit(q, 1).nodes, 0.0, q.eta);
+  const LocatedPoint located = locate(problem, *multiplier_equations({.theta = std::numbers::pi}), start);
   REQUIRE(located.newton.converged());
   q.eta = problem.value(located.u);
   return q;
@@ -310,7 +281,7 @@ OneImpactParameters period_doubling_near(OneImpactParameters q) {
 
 }  // namespace
 
-TEST_CASE("with one condition more, two free parameters give the curve of period doublings") {
+TEST_CASE("in two free parameters the equations of a period doubling define a curve") {
   const HybridSystem& system = newton_oscillator();
   const std::size_t eta = oscillator_parameter::eta, k_r = parameter_index(system.parameters, "k_r");
   OneImpactParameters q = period_doubling_near({.b = 0.05, .xi = 1.0, .eta = 0.977, .r = 2.0, .k_r = 0.9});
@@ -324,8 +295,9 @@ TEST_CASE("with one condition more, two free parameters give the curve of period
     const Vector start = c.unknowns(two);
     const Eigen::Index size = c.orbit.size();
     const Vector to_smaller_k_r = -Vector::Unit(size + 2, size + 1);
-    const Curve curve =
-        trace(period_doublings(*problem, start), start, to_smaller_k_r, {.initial_step = 0.05, .max_step = 0.1, .max_points = 8});
+    const std::unique_ptr<DefiningEquations> doubling = multiplier_equations({.theta = std::numbers::pi});
+    const Curve curve = trace(curve_of(*problem, *doubling), start_of(*doubling, start), to_smaller_k_r,
+                              {.initial_step = 0.05, .max_step = 0.1, .max_points = 8});
     INFO(curve.failure);
     REQUIRE(curve.stop == TraceStop::point_limit);
     CHECK(curve.points.back().u[size + 1] < 0.75);
@@ -342,5 +314,34 @@ TEST_CASE("with one condition more, two free parameters give the curve of period
       beside.eta += 1e-3;
       CHECK(std::abs(period_doubling_near(beside).eta - q.eta) < 1e-11);
     }
+  }
+}
+
+TEST_CASE("in two free parameters the equations of a grazing define a curve") {
+  // The orbit without impacts touches the barrier where its amplitude equals r.
+  const HybridSystem& system = newton_oscillator();
+  OneImpactParameters q{.b = 0.05, .xi = 1.0, .eta = 0.7, .r = 2.0, .k_r = 0.9};
+  q.r = impactless_amplitude(q);
+  const Parameters two{{oscillator_parameter::eta, 0.1}, {oscillator_parameter::r, 0.5}};
+  OrbitProblem problem(system, parameters_of(q), 1, 2, two);
+  OneImpactParameters below = q;
+  below.r += 1e-3;
+  const PeriodicOrbit orbit = shoot(system, parameters_of(below), Vector::Zero(2), 1, {.nodes = 2});
+  REQUIRE(orbit.converged());
+  const Vector start = problem.pack(orbit.nodes, 0.0, Vector{{below.eta, below.r}});
+  const std::optional<GrazingGuess> guess = nearest_miss(problem, start);
+  REQUIRE(guess);
+  const std::unique_ptr<DefiningEquations> grazing = grazing_equations(*guess);
+  const Vector w = start_of(*grazing, start);
+  const Curve curve = trace(curve_of(problem, *grazing), w, Vector::Unit(w.size(), problem.orbit_unknowns()),
+                            {.initial_step = 0.05, .max_step = 0.1, .max_points = 8});
+  INFO(curve.failure);
+  REQUIRE(curve.stop == TraceStop::point_limit);
+  CHECK(std::abs(curve.points.back().u[problem.orbit_unknowns()] - q.eta) > 0.01);
+  for (const CurvePoint& point : curve.points) {
+    const Vector values = point.u.segment(problem.orbit_unknowns(), 2);
+    q.eta = values[0];
+    INFO("eta = " << values[0]);
+    CHECK(std::abs(impactless_amplitude(q) - values[1]) < 1e-11);
   }
 }

@@ -2,7 +2,7 @@
 // The skeleton of the published range: its required contents, and an independent computation of every special point.
 #include <graze/continuation/conditions/grazing.hpp>
 #include <graze/continuation/conditions/grazing_edge.hpp>
-#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/multiplier_equations.hpp>
 #include <graze/continuation/graph/chatter_series.hpp>
 #include <graze/continuation/graph/skeleton.hpp>
 #include <graze/floquet/attractor/settle.hpp>
@@ -117,7 +117,8 @@ double second_way(const Example& c, const SpecialPoint& point, double section) {
     }
     return nearest;
   }
-  const LocatedPoint located = locate_multiplier(problem, start, {.theta = point.type == PointType::PD ? std::numbers::pi : 0.0});
+  const double theta = point.type == PointType::PD ? std::numbers::pi : 0.0;
+  const LocatedPoint located = locate(problem, *multiplier_equations({.theta = theta}), start);
   return located.newton.converged() ? problem.value(located.u) : NAN;
 }
 

@@ -131,7 +131,7 @@ TEST_CASE("every test function has a type, its own summary, and a family of maps
     CHECK(summaries.insert(test.summary).second);
     REQUIRE(test.value);
     REQUIRE(test.confirm);
-    REQUIRE(test.locate);  // describe may be empty
+    REQUIRE(test.equations);  // describe may be empty
     CHECK(covered.count(test.type) == 1);
     CHECK(point_type(point_type_name(test.type)) == test.type);
   }
@@ -187,7 +187,7 @@ TEST_CASE("every test function locates its point to the stated precision") {
         INFO(family.name << " from s = " << s);
         OrbitProblem problem = problem_of(family);
         const At near = at(problem, family, s);
-        const LocatedPoint located = test.locate(problem, near.curve.u, near.point());
+        const LocatedPoint located = locate(problem, *test.equations(near.point()), near.curve.u);
         REQUIRE(located.newton.converged());
         const double error = std::abs(problem.value(located.u) - family.value);
         CHECK(located.precision > 0.0);
@@ -253,6 +253,17 @@ TEST_CASE("a program that uses the library adds a condition of its own") {
   CHECK(point.precision < 1e-11);
 }
 
+namespace {
+
+/// Equations that cannot be evaluated.
+class Unsolvable : public DefiningEquations {
+ public:
+  bool evaluate(BranchProblem&, const Vector&, Vector&, Matrix*) override { return false; }
+  Vector sizes() const override { return {}; }
+};
+
+}  // namespace
+
 TEST_CASE("the points of a condition have its name, whether Newton's method locates them or not") {
   // The multiplier of the fixed point is 2 - lambda.
   const HybridSystem system = logistic_map();
@@ -268,7 +279,7 @@ TEST_CASE("the points of a condition have its name, whether Newton's method loca
   test.describe = nullptr;
   TestFunction failing = test;
   failing.condition = "multiplier -1, bracketed";
-  failing.locate = [](BranchProblem&, const Vector&, const TestPoint&) { return LocatedPoint{}; };
+  failing.equations = [](const TestPoint&) { return std::make_unique<Unsolvable>(); };
   options.further_tests = {test, failing};
   const std::vector<Branch> branches = continue_orbit(system, orbit, options);
   const std::vector<SpecialPoint> points = points_of(branches[0], PointType::UZ);

@@ -4,7 +4,7 @@
 #include <graze/apps/commands/command.hpp>
 #include <graze/apps/console/arguments.hpp>
 #include <graze/apps/problem/problem.hpp>
-#include <graze/continuation/conditions/multiplier_condition.hpp>
+#include <graze/continuation/conditions/multiplier_equations.hpp>
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/continuation/problems/orbit_problem.hpp>
 
@@ -33,9 +33,7 @@ TestFunction flip_test() {
   };
   test.confirm = [](const TestPoint&, const TestPoint&) { return true; };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, -1.0); };
-  test.locate = [](BranchProblem& problem, const Vector& u, const TestPoint&) {
-    return locate_multiplier(problem, u, {.theta = std::numbers::pi});
-  };
+  test.equations = [](const TestPoint&) { return multiplier_equations({.theta = std::numbers::pi}); };
   return test;
 }
 

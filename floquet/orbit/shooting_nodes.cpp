@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <graze/floquet/orbit/kept_state.hpp>
-#include <graze/floquet/orbit/newton_on_nodes.hpp>
+#include <graze/floquet/orbit/shooting_nodes.hpp>
 #include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
 
@@ -31,15 +31,16 @@ Vector newton_step(const ShootingEquations& equations, const Matrix& jacobian, c
 }  // namespace
 
 std::optional<double> ShootingNodes::residual(const Vector& trial) {
-  if (!carried_) return std::nullopt;
+  if (!equations_.evaluate(trial, options_)) return std::nullopt;
   equations_.residual(trial, residual_);
-  return residual_.lpNorm<Eigen::Infinity>() / size(trial);
+  return residual_.lpNorm<Eigen::Infinity>() / (1.0 + trial.lpNorm<Eigen::Infinity>());
 }
 
-double ShootingNodes::solve(const Vector&) {
+NewtonStep ShootingNodes::solve(const Vector& u) {
   equations_.jacobian(jacobian_);
   step_ = newton_step(equations_, jacobian_, residual_);
-  return step_.allFinite() ? step_.lpNorm<Eigen::Infinity>() : std::nan("");
+  const double length = step_.allFinite() ? step_.lpNorm<Eigen::Infinity>() : std::nan("");
+  return {.length = length, .size = 1.0 + u.lpNorm<Eigen::Infinity>()};
 }
 
 }  // namespace graze

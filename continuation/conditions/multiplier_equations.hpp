@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The extended system that locates a bifurcation of multipliers: the orbit's equations H(u) = 0, and the condition that
+// The defining equations of a bifurcation of multipliers: the orbit's equations H(u) = 0, and the condition that
 // sigma = e^{i theta} is a multiplier, in minimally augmented form (Govaerts, Numerical Methods for Bifurcations, 2000, ch. 4):
 //     [K(sigma)  b] [v]   [0]
 //     [c^H       0] [g] = [1],      g(u, theta) = 0,       dg = -w^H (dK) v,
@@ -11,8 +11,9 @@
 // the impacts.
 #pragma once
 
-#include <graze/continuation/conditions/located_point.hpp>
-#include <graze/continuation/problems/branch_problem.hpp>
+#include <graze/continuation/conditions/defining_equations.hpp>
+
+#include <memory>
 
 namespace graze {
 
@@ -21,9 +22,7 @@ struct MultiplierCondition {
   bool theta_free = false;  ///< theta is an unknown (Neimark-Sacker); otherwise theta is 0 or pi
 };
 
-/// Newton's method on the extended system from `start`, in the unknowns of the problem. If it fails, the report is not converged
-/// and the precision is 0. The extended system must be regular: with theta free, the multiplier must leave the unit circle there.
-/// @throws std::invalid_argument unless the problem has one free parameter; so do all functions that locate a point.
-LocatedPoint locate_multiplier(BranchProblem& problem, const Vector& start, const MultiplierCondition& condition);
+/// The equations must be regular: with theta free, the multiplier must leave the unit circle there.
+std::unique_ptr<DefiningEquations> multiplier_equations(const MultiplierCondition& condition);
 
 }  // namespace graze
