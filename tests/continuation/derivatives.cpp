@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Derivatives along a family. The tangent of the continuation problem is compared with the quadruple-precision derivatives of
-// data/reference.toml. The Jacobians of the extended systems are compared with central differences.
+// data/reference.toml. The Jacobians of the defining equations are compared with central differences.
 #include <graze/continuation/problems/orbit_problem.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
