@@ -4,7 +4,7 @@
 //
 //     detection    grazing_in_step (the number of impacts changes between two points); grazing_ahead (along a branch of hard
 //                  contacts a solution is no motion), grazing_beside (the branch breaks off): grazing_by_events.hpp
-//     location     locate_grazing: grazing.hpp
+//     equations    grazing_equations, which locate_grazing solves: grazing.hpp
 //     description  grazing_point
 //     families     birth_at_grazing, confirm_scenario: grazing_families.hpp
 //

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbit equations with two free parameters: their derivatives agree with central differences and with the equations in one
 // parameter, every conversion of an orbit keeps both values, and with one condition more they give curves in two parameters.
+#include <graze/continuation/conditions/branch_point_equations.hpp>
 #include <graze/continuation/conditions/grazing.hpp>
 #include <graze/continuation/conditions/multiplier_equations.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
@@ -269,6 +270,46 @@ TEST_CASE(
 
 namespace {
 
+/// The largest difference between the Jacobian and central differences of F at w, relative to its rows.
+double jacobian_error(BranchProblem& problem, DefiningEquations& equations, const Vector& w) {
+  constexpr double h = 1e-6;
+  Vector F, ahead, behind;
+  Matrix jacobian;
+  REQUIRE(equations.evaluate(problem, w, F, &jacobian));
+  REQUIRE(F.size() == equations.sizes().size());
+  REQUIRE(jacobian.rows() == F.size());
+  REQUIRE(jacobian.cols() == w.size());
+  Matrix differences = jacobian;
+  for (Eigen::Index i = 0; i < w.size(); ++i) {
+    REQUIRE(equations.evaluate(problem, w + h * Vector::Unit(w.size(), i), ahead, nullptr));
+    REQUIRE(equations.evaluate(problem, w - h * Vector::Unit(w.size(), i), behind, nullptr));
+    differences.col(i) = (ahead - behind) / (2.0 * h);
+  }
+  const Vector rows = jacobian.rowwise().lpNorm<Eigen::Infinity>().cwiseMax(1.0);
+  return (rows.cwiseInverse().asDiagonal() * (jacobian - differences)).lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace
+
+TEST_CASE("the Jacobians of the equations of bifurcations in two free parameters agree with central differences") {
+  for (const OrbitCase& c : cases()) {
+    INFO(c.name);
+    const Parameters two = two_of(c);
+    const auto problem = c.problem(two);
+    const Vector u = c.unknowns(two);
+    std::vector<std::unique_ptr<DefiningEquations>> all;
+    for (const double theta : {0.0, std::numbers::pi}) all.push_back(multiplier_equations({.theta = theta}));
+    all.push_back(multiplier_equations({.theta = 1.1, .theta_free = true}));
+    all.push_back(branch_point_equations());
+    for (const auto& equations : all) {
+      INFO("equations " << &equations - all.data());
+      CHECK(jacobian_error(*problem, *equations, start_of(*equations, u)) < 1e-6);
+    }
+  }
+}
+
+namespace {
+
 /// The period doubling in eta of orbits with one impact near these parameters.
 OneImpactParameters period_doubling_near(OneImpactParameters q) {
   OrbitProblem problem(newton_oscillator(), parameters_of(q), 1, 1, oscillator_parameter::eta, 0.1);
@@ -333,6 +374,7 @@ TEST_CASE("in two free parameters the equations of a grazing define a curve") {
   REQUIRE(guess);
   const std::unique_ptr<DefiningEquations> grazing = grazing_equations(*guess);
   const Vector w = start_of(*grazing, start);
+  CHECK(jacobian_error(problem, *grazing, w) < 1e-6);
   const Curve curve = trace(curve_of(problem, *grazing), w, Vector::Unit(w.size(), problem.orbit_unknowns()),
                             {.initial_step = 0.05, .max_step = 0.1, .max_points = 8});
   INFO(curve.failure);
