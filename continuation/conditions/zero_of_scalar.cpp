@@ -22,17 +22,16 @@ class ZeroOfScalar : public DefiningEquations {
   bool evaluate(BranchProblem& problem, const Vector& u, Vector& F, Matrix* jacobian) override {
     constexpr double difference_step = 1e-6;
     const Eigen::Index unknowns = problem.unknowns(), equations = problem.orbit_unknowns();
+    Vector H;
+    Matrix H_u;
+    if (!problem.zero_problem().evaluate(u, H, jacobian ? &H_u : nullptr)) return false;
     const auto g = [&](const Vector& at) { return scalar_(problem.branch_point(at, 0.0)); };
     F.resize(equations + 1);
-    F[equations] = g(u);
-    Vector H;
-    if (!jacobian) {
-      if (!problem.zero_problem().evaluate(u, H, nullptr)) return false;
-      F.head(equations) = H;
-      return true;
-    }
+    F << H, g(u);
+    if (!jacobian) return true;
     if (!(scale_ > 0.0)) scale_ = problem.state_scale(u);
     jacobian->resize(equations + 1, unknowns);
+    jacobian->topRows(equations) = H_u;
     double g_size = 1.0;
     for (Eigen::Index i = 0; i < unknowns; ++i) {
       const double h = difference_step * problem.size_of_unknown(u, i);
@@ -40,10 +39,6 @@ class ZeroOfScalar : public DefiningEquations {
       (*jacobian)(equations, i) = slope;
       g_size = std::max(g_size, std::abs(slope) * (i < equations ? scale_ : problem.unit() * scale_));
     }
-    Matrix H_u;
-    if (!problem.zero_problem().evaluate(u, H, &H_u)) return false;
-    F.head(equations) = H;
-    jacobian->topRows(equations) = H_u;
     sizes_ = Vector::Constant(equations + 1, scale_);
     sizes_[equations] = g_size;
     return true;
