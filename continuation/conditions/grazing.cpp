@@ -189,8 +189,8 @@ bool may_be_touched(EventKind kind) { return begins_contact(kind) || kind == Eve
 /// The defining equations of a grazing: F = (H, h, dh/dt) in (u, t).
 class GrazingEquations : public DefiningEquations {
  public:
-  GrazingEquations(GrazingGuess guess, std::vector<GrazingGuess> others)
-      : guess_(std::move(guess)), others_(std::move(others)), resume_after_(guess_.t_resume - guess_.t) {}
+  GrazingEquations(const GrazingGuess& guess, std::vector<GrazingGuess> others)
+      : guess_(guess), others_(std::move(others)), resume_after_(guess_.t_resume - guess_.t) {}
 
   Vector own_start() const override { return Vector{{guess_.t}}; }
   Vector sizes() const override { return sizes_; }
