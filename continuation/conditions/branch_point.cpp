@@ -5,19 +5,87 @@
 // Test function: det(M - I) times the sign of the parameter's component of the tangent. At a fold both factors change sign, so
 // that the product keeps its sign. At a branch point the product changes its sign. This is the sign of the determinant of the
 // equations' Jacobian bordered by the tangent.
+//
+// The defining equations have one unfolding parameter e (Beyn et al., Handbook of Dynamical Systems 2 (2002), ch. 4):
+//     H(u) + e b = 0,   g(u) = 0,   w^T H_p(u) = 0,
+// with g and w from the bordered matrix K(1) (see multiplier_equations.hpp). The last two state that the Jacobian in the states
+// is singular, and that the parameter's column H_p lies in its range. At a branch point e = 0. An imperfection opens the
+// crossing: then e != 0, and no branch point is reported.
 #include <graze/continuation/conditions/test_function.hpp>
 
-#include <graze/continuation/conditions/branch_point_equations.hpp>
 #include <graze/continuation/conditions/own_coordinates.hpp>
+#include <graze/lib/numerics/null_vectors.hpp>
 
 #include <Eigen/SVD>
 
 #include <cmath>
 #include <initializer_list>
+#include <memory>
 
 namespace graze {
 
 namespace {
+
+/// LocatedPoint::v is the null vector; LocatedPoint::w stays empty.
+class BranchPointEquations : public DefiningEquations {
+ public:
+  Vector own_start() const override { return Vector::Zero(1); }  // e
+
+  bool evaluate(BranchProblem& problem, const Vector& w, Vector& F, Matrix* jacobian) override {
+    const ZeroProblem zero = problem.zero_problem();
+    const Eigen::Index unknowns = problem.unknowns(), equations = problem.orbit_unknowns();
+    const Vector u = w.head(unknowns);
+    if (b_.size() == 0) {
+      Vector H;
+      Matrix H_u;
+      if (!zero.evaluate(u, H, &H_u)) return false;
+      const auto null = null_vectors(Matrix(H_u.leftCols(equations)));
+      b_ = null.left;
+      c_ = null.right;
+      sizes_ = Vector::Constant(equations + 2, problem.state_scale(u));
+    }
+    if (!evaluate_at(zero, problem.unit(), w, F, jacobian ? &null_ : nullptr)) return false;
+    if (!jacobian) return true;
+    jacobian->resize(F.size(), w.size());
+    for (Eigen::Index i = 0; i < unknowns; ++i) {
+      const double h = 1e-6 * problem.size_of_unknown(u, i);
+      Vector ahead, behind;
+      if (!evaluate_at(zero, problem.unit(), w + h * Vector::Unit(w.size(), i), ahead, nullptr)) return false;
+      if (!evaluate_at(zero, problem.unit(), w - h * Vector::Unit(w.size(), i), behind, nullptr)) return false;
+      jacobian->col(i) = (ahead - behind) / (2.0 * h);
+    }
+    jacobian->col(unknowns) << b_, 0.0, 0.0;
+    return true;
+  }
+
+  Vector sizes() const override { return sizes_; }
+  /// Looser than the default: the Jacobian is formed by differences, which limits the accuracy.
+  NewtonRule rule() const override { return newton_to_rounding(1e-9, 1e-13); }
+
+  void describe(const Vector& w, LocatedPoint& located) const override {
+    if (null_.size() > 0) located.v = null_.cast<std::complex<double>>();
+    // Solved with an unfolding, the equations have no branch point here: as a method for that point Newton's has stalled.
+    const bool crosses = std::abs(w[w.size() - 1]) < 1e-8;
+    if (located.newton.converged() && !crosses) located.newton.status = NewtonStatus::stalled;
+  }
+
+ private:
+  /// F = (H + e b, g, w^T H_p), with H_p per `unit` of the parameter. Writes the null vector v to `null` unless it is null.
+  bool evaluate_at(const ZeroProblem& zero, double unit, const Vector& at, Vector& F, Vector* null) const {
+    Vector H;
+    Matrix H_u;
+    if (!zero.evaluate(at.head(at.size() - 1), H, &H_u)) return false;
+    const Eigen::Index size = H.size();
+    const auto solution = solve_bordered(Matrix(H_u.leftCols(size)), b_, c_);
+    if (null) *null = solution.v;
+    F.resize(size + 2);
+    F << H + at[at.size() - 1] * b_, solution.g, unit * solution.w.dot(H_u.col(size));
+    return true;
+  }
+
+  Vector b_, c_;  ///< the borders, from the start
+  Vector null_, sizes_;
+};
 
 /// The other branch through the point, on the side +1 or -1 (the two halves of a pitchfork). The tangents of both branches span
 /// the kernel of the equations' Jacobian. The start is pushed along the kernel direction normal to the tangent of `branch`, on
@@ -26,7 +94,8 @@ std::optional<BranchStart> crossing_start(const SpecialPoint& bp, const Branch& 
                                           const TraceOptions& options) {
   OwnCoordinates own = own_coordinates(bp, states);
   BranchProblem& problem = own.by_events ? static_cast<BranchProblem&>(*own.by_events) : states;
-  const LocatedPoint located = locate(problem, *branch_point_equations(), own.u);
+  BranchPointEquations equations;
+  const LocatedPoint located = locate(problem, equations, own.u);
   const ZeroProblem zero = problem.zero_problem();
   Vector residual;
   Matrix jacobian;
@@ -89,7 +158,7 @@ TestFunction branch_point_test() {
     return passes != turns;
   };
   test.distance = [](const BranchPoint& point) { return nearest_multiplier(point, 1.0); };
-  test.equations = [](const TestPoint&) { return branch_point_equations(); };
+  test.equations = [](const TestPoint&) { return std::make_unique<BranchPointEquations>(); };
   test.born = Birth{.sides = {1, -1},
                     .located_only = true,
                     .missing = "no orbit of the branch that crosses there was found",

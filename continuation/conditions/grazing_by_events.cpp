@@ -10,7 +10,8 @@ namespace graze {
 
 namespace {
 
-/// The equations of an orbit whose event k has speed zero, in the coordinates of the events.
+/// The equations of an orbit whose event k has speed zero, in the coordinates of the events. They are for solve() with the
+/// problem that they are made for.
 class ZeroSpeed : public DefiningEquations {
  public:
   ZeroSpeed(SignatureProblem& problem, int k) : problem_(problem), k_(k) {}

@@ -25,17 +25,19 @@ class Equilibria {
     constexpr double reached = 1e-13;
     p_[parameter_] = value;
     Vector f(x_.size()), last_step;
+    NewtonStep measured;
     Matrix J(x_.size(), x_.size());
     // The field may have any unit, so that the step takes the place of the residual.
     const auto length = [&](const Vector& x) -> std::optional<double> {
       mode_.field(0.0, x, p_, f);
       mode_.field_dx(0.0, x, p_, J);
       last_step = -J.partialPivLu().solve(f);
-      return last_step.lpNorm<Eigen::Infinity>() / (1.0 + (x + last_step).lpNorm<Eigen::Infinity>());
+      measured = {.length = last_step.lpNorm<Eigen::Infinity>(), .size = 1.0 + (x + last_step).lpNorm<Eigen::Infinity>()};
+      return measured.length / measured.size;
     };
-    const auto solve = [&](const Vector& x, Vector& step) -> NewtonStep {
+    const auto solve = [&](const Vector&, Vector& step) {
       step = last_step;
-      return {.length = step.lpNorm<Eigen::Infinity>(), .size = 1.0 + (x + step).lpNorm<Eigen::Infinity>()};
+      return measured;
     };
     NewtonRule rule = newton_to_rounding(reached, reached);
     rule.max_iterations = 50;

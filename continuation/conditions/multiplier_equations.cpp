@@ -2,7 +2,6 @@
 #include <graze/continuation/conditions/multiplier_equations.hpp>
 
 #include <graze/lib/numerics/null_vectors.hpp>
-#include <graze/lib/numerics/orbit_lu.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,29 +14,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-struct Bordered {
-  Complex g;
-  Eigen::VectorXcd v, w;
-};
-
-template <class SquareMatrix>
-Bordered solve_bordered(const SquareMatrix& K, const typename NullVectors<SquareMatrix>::Column& b,
-                        const typename NullVectors<SquareMatrix>::Column& c) {
-  using Column = typename NullVectors<SquareMatrix>::Column;
-  const Eigen::Index size = K.rows();
-  SquareMatrix A = SquareMatrix::Zero(size + 1, size + 1);
-  A.topLeftCorner(size, size) = K;
-  A.col(size).head(size) = b;
-  A.row(size).head(size) = c.adjoint();
-  const Column right = Column::Unit(size + 1, size);
-  const OrbitLU<SquareMatrix> lu(A);
-  const Column direct = lu.solve(right), adjoint = lu.solve_adjoint(right);
-  return {direct[size], direct.head(size), adjoint.head(size)};
-}
+using Bordered = BorderedSolution<Eigen::MatrixXcd>;
 
 /// If sigma is real, all quantities are real, and real arithmetic needs a quarter of the work.
-Bordered solve_bordered(const Eigen::MatrixXcd& K, const Eigen::VectorXcd& b, const Eigen::VectorXcd& c, bool real) {
-  return real ? solve_bordered(Matrix(K.real()), Vector(b.real()), Vector(c.real())) : solve_bordered(K, b, c);
+Bordered bordered_solution(const Eigen::MatrixXcd& K, const Eigen::VectorXcd& b, const Eigen::VectorXcd& c, bool real) {
+  if (!real) return solve_bordered(K, b, c);
+  const auto solution = solve_bordered(Matrix(K.real()), Vector(b.real()), Vector(c.real()));
+  return {solution.g, solution.v.cast<Complex>(), solution.w.cast<Complex>()};
 }
 
 /// Borders that make the bordered matrix regular: the left and right null vectors of K.
@@ -50,15 +33,7 @@ std::pair<Eigen::VectorXcd, Eigen::VectorXcd> borders(const Eigen::MatrixXcd& K,
   return {null.left.cast<Complex>(), null.right.cast<Complex>()};
 }
 
-/// The equations (H, Re g, Im g) as one vector; without Im g if all quantities are real.
-Vector extended(const Vector& residual, Complex g, bool real) {
-  Vector F(residual.size() + (real ? 1 : 2));
-  F.head(residual.size()) = residual;
-  F[residual.size()] = g.real();
-  if (!real) F[residual.size() + 1] = g.imag();
-  return F;
-}
-
+/// F = (H, Re g, Im g); without Im g if sigma is real.
 class MultiplierEquations : public DefiningEquations {
  public:
   explicit MultiplierEquations(const MultiplierCondition& condition) : condition_(condition) {}
@@ -80,8 +55,11 @@ class MultiplierEquations : public DefiningEquations {
       b_ = bordered_.w.normalized();
       c_ = bordered_.v.normalized();
     }
-    Bordered bordered = solve_bordered(K, b_, c_, real());
-    F = extended(H, bordered.g, real());
+    Bordered bordered = bordered_solution(K, b_, c_, real());
+    F.resize(equations + (real() ? 1 : 2));
+    F.head(equations) = H;
+    F[equations] = bordered.g.real();
+    if (!real()) F[equations + 1] = bordered.g.imag();
     if (!jacobian) return true;
     bordered_ = std::move(bordered);
     sizes_ = Vector::Constant(F.size(), std::max(1.0, K.cwiseAbs().maxCoeff()));

@@ -29,8 +29,7 @@ void NewtonIteration::end(NewtonStatus otherwise) {
   end_as(accepted ? NewtonStatus::converged : otherwise);
 }
 
-/// Ends the iteration because no step from the iterate can be taken. Then an accepted residual does not show how near an isolated
-/// solution is.
+/// Ends the iteration because no step from the iterate can be taken.
 void NewtonIteration::end_without_step(NewtonStatus otherwise) {
   report_.residual_history.push_back(report_.residual());
   rule_.isolated ? end_as(otherwise) : end(otherwise);

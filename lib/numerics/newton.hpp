@@ -37,11 +37,11 @@ struct NewtonRule {
   /// not half as long as the one before. That step is not taken; its size estimates the error that is left.
   std::optional<double> step_rounding = {};
 
-  /// The solution must be isolated. Otherwise one of a family is enough: where the residual is accepted and the Jacobian is
-  /// singular to rounding, the iteration has converged.
+  /// The solution must be isolated. Then the iteration does not converge where the Jacobian is singular or a step is refused, and
+  /// no step to an accepted residual is refused. Otherwise a solution of a family is enough: there an accepted residual decides.
   bool isolated = false;
 
-  double growth = 1.0;    ///< a step is refused unless it leaves less than so many times the residual; infinite: never
+  double growth = 1.0;    ///< a step is refused if it multiplies the residual by this or more; infinite: none is
   int max_halvings = 12;  ///< of a step that is refused
   // Of a step, relative to the size of the unknowns.
   double max_step = 0.5;                                     ///< a longer one is shortened

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Null vectors of a (nearly) singular square matrix A, which make a bordered system regular:
+// Null vectors of a (nearly) singular square matrix A, which make a bordered system regular, and its solution:
 //
 //     right: A v ~ 0,   left: w^H A ~ 0,   |v| = |w| = 1.
 //
@@ -35,6 +35,29 @@ template <class SquareMatrix> NullVectors<SquareMatrix> null_vectors(const Squar
     null.right = lu.solve(null.left).normalized();
   }
   return null;
+}
+
+/// The solution of a bordered system, and w of the adjoint one:
+///     [A    b] [v]   [0]        [A^H  c] [w]   [0]
+///     [c^H  0] [g] = [1],       [b^H  0] [.] = [1].
+template <class SquareMatrix> struct BorderedSolution {
+  typename SquareMatrix::Scalar g;
+  typename NullVectors<SquareMatrix>::Column v, w;
+};
+
+template <class SquareMatrix>
+BorderedSolution<SquareMatrix> solve_bordered(const SquareMatrix& A, const typename NullVectors<SquareMatrix>::Column& b,
+                                              const typename NullVectors<SquareMatrix>::Column& c) {
+  using Column = typename NullVectors<SquareMatrix>::Column;
+  const Eigen::Index size = A.rows();
+  SquareMatrix bordered = SquareMatrix::Zero(size + 1, size + 1);
+  bordered.topLeftCorner(size, size) = A;
+  bordered.col(size).head(size) = b;
+  bordered.row(size).head(size) = c.adjoint();
+  const Column right = Column::Unit(size + 1, size);
+  const OrbitLU<SquareMatrix> lu(bordered);
+  const Column direct = lu.solve(right), adjoint = lu.solve_adjoint(right);
+  return {direct[size], direct.head(size), adjoint.head(size)};
 }
 
 }  // namespace graze

@@ -38,8 +38,8 @@ class TaskSlot {
   /// LaneCarrier::expect and use for its motions; without effect if they are not carried in lanes.
   void expect(std::int64_t periods) const;
   void use(std::shared_ptr<const ContactTable> table) const;
-  /// Number of periods of each motion to request at once, `most` of them in lanes. By Propagators it is small: the last periods
-  /// of a request may be carried in vain, and a motion alone gains nothing from a longer one.
+  /// Number of periods of each motion to request at once, `most` of them in lanes. By Propagators it is small: a task that ends
+  /// has no use for the rest of its request, and longer requests make the motions no faster.
   std::size_t batch(std::size_t most, std::size_t motions = 1) const;
   /// Number of its motions that one thread carries at once (graze::motions_at_once).
   std::size_t motions_at_once() const;

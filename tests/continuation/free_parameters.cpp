@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Orbit equations with two free parameters: their derivatives agree with central differences and with the equations in one
 // parameter, every conversion of an orbit keeps both values, and with one condition more they give curves in two parameters.
-#include <graze/continuation/conditions/branch_point_equations.hpp>
 #include <graze/continuation/conditions/grazing.hpp>
 #include <graze/continuation/conditions/multiplier_equations.hpp>
+#include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/problems/signature_problem.hpp>
 #include <graze/continuation/trace/trace.hpp>
 
@@ -300,7 +300,7 @@ TEST_CASE("the Jacobians of the equations of bifurcations in two free parameters
     std::vector<std::unique_ptr<DefiningEquations>> all;
     for (const double theta : {0.0, std::numbers::pi}) all.push_back(multiplier_equations({.theta = theta}));
     all.push_back(multiplier_equations({.theta = 1.1, .theta_free = true}));
-    all.push_back(branch_point_equations());
+    all.push_back(branch_point_test().equations({CurvePoint{}, BranchPoint{}}));
     for (const auto& equations : all) {
       INFO("equations " << &equations - all.data());
       CHECK(jacobian_error(*problem, *equations, start_of(*equations, u)) < 1e-6);

@@ -442,7 +442,7 @@ TEST_CASE("a sweep without forcing goes on where the stop turns back") {
   options.parameter = "a";
   options.from = 0.35;
   options.to = 0.65;
-  options.step = 0.001;  // 301 values: orbits of forced systems are predicted in stretches of so many
+  options.step = 0.001;  // 301 values; the orbits of forced systems would be predicted in such a sweep
   options.directions = {SweepDirection::up};
   options.first_transient = options.attractor.transient = 100;
   options.attractor.periods_on_orbit = 0;

@@ -20,7 +20,7 @@ struct Run {
 };
 
 /// Newton's method on f(v) = 0; f returns the value and the slope, or nothing where it cannot be evaluated.
-template <class F> Run run(double start, const F& f, const NewtonRule& rule, int steps_before_the_last = 0) {
+template <class F> Run run(double start, const F& f, const NewtonRule& rule = {}, int steps_before_the_last = 0) {
   Vector v{{start}};
   Value at;
   int steps = 0;
@@ -109,42 +109,36 @@ TEST_CASE("Newton's method ends at the first residual that is small enough, and 
   CHECK(grows.report.residual() == 5.0);
 }
 
-namespace {
-
-template <class F> Run damped(double v, const F& f, const NewtonRule& rule = {}) { return run(v, f, rule); }
-
-}  // namespace
-
 TEST_CASE("damped Newton reaches a root from where full steps lead away") {
   const auto arctangent = [](double v) { return Value({std::atan(v), 1.0 / (1.0 + v * v)}); };
-  const Run run = damped(20.0, arctangent, {.max_step = 1e3});
-  CHECK(run.report.converged());
-  CHECK(std::abs(run.v) < 1e-12);
-  const auto& history = run.report.residual_history;
+  const Run reached = run(20.0, arctangent, {.max_step = 1e3});
+  CHECK(reached.report.converged());
+  CHECK(std::abs(reached.v) < 1e-12);
+  const auto& history = reached.report.residual_history;
   for (std::size_t k = 1; k < history.size(); ++k) CHECK(history[k] <= history[k - 1]);
-  CHECK(damped(20.0, arctangent, {.max_halvings = 0, .max_step = 1e3}).report.status == NewtonStatus::stalled);
+  CHECK(run(20.0, arctangent, {.max_halvings = 0, .max_step = 1e3}).report.status == NewtonStatus::stalled);
   // A bound on the step serves as well.
-  CHECK(damped(20.0, arctangent, {.max_halvings = 0, .max_step = 0.5}).report.converged());
+  CHECK(run(20.0, arctangent, {.max_halvings = 0, .max_step = 0.5}).report.converged());
 }
 
 TEST_CASE("damped Newton halves a step beyond which the equations cannot be evaluated") {
   const auto logarithm = [](double v) { return v > 0.0 ? Value({std::log(v), 1.0 / v}) : Value(); };
-  const Run run = damped(10.0, logarithm, {.max_step = 10.0});
-  CHECK(run.report.converged());
-  CHECK(std::abs(run.v - 1.0) < 1e-12);
-  CHECK(damped(-1.0, logarithm).report.status == NewtonStatus::evaluation_failed);
+  const Run reached = run(10.0, logarithm, {.max_step = 10.0});
+  CHECK(reached.report.converged());
+  CHECK(std::abs(reached.v - 1.0) < 1e-12);
+  CHECK(run(-1.0, logarithm).report.status == NewtonStatus::evaluation_failed);
 }
 
 TEST_CASE("damped Newton ends at rounding, and says why it ends elsewhere") {
-  const Run run = damped(1.0, parabola);
-  CHECK(run.report.converged());
-  CHECK(std::abs(run.v - std::sqrt(2.0)) < 1e-15);
-  CHECK(run.report.iterations() <= 8);
-  CHECK(damped(1.0, parabola, {.max_iterations = 2}).report.status == NewtonStatus::iteration_limit);
-  CHECK(damped(0.0, parabola).report.status == NewtonStatus::singular);
-  CHECK(damped(0.7, [](double v) { return Value({1.0 + v * v, 2.0 * v}); }).report.status == NewtonStatus::stalled);
+  const Run reached = run(1.0, parabola);
+  CHECK(reached.report.converged());
+  CHECK(std::abs(reached.v - std::sqrt(2.0)) < 1e-15);
+  CHECK(reached.report.iterations() <= 8);
+  CHECK(run(1.0, parabola, {.max_iterations = 2}).report.status == NewtonStatus::iteration_limit);
+  CHECK(run(0.0, parabola).report.status == NewtonStatus::singular);
+  CHECK(run(0.7, [](double v) { return Value({1.0 + v * v, 2.0 * v}); }).report.status == NewtonStatus::stalled);
   // A member of a family: the derivative is rounding, the residual too.
-  const Run family = damped(3.0, [](double) { return Value({1e-17, 1e-16}); });
+  const Run family = run(3.0, [](double) { return Value({1e-17, 1e-16}); });
   CHECK(family.report.converged());
   CHECK(family.v == 3.0);
 }
