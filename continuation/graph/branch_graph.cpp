@@ -650,7 +650,12 @@ BranchGraph follow_branches(const HybridSystem& system, const std::vector<Branch
                             const std::vector<Branch>& so_far, const FamilyChoice& choice) {
   if (options.max_multiple < 1)
     throw std::invalid_argument(fmt::format("max_multiple is {}; allowed is 1 and more", options.max_multiple));
-  return Graph(system, options, choice).all(seeds, so_far);
+  ContinuationOptions within = options;
+  if (!within.from) {
+    if (seeds.empty()) throw std::invalid_argument("without seeds the range has no start; give both of its ends");
+    within.from = seeds.front().orbit.parameters[static_cast<Eigen::Index>(parameter_index(system.parameters, options.parameter))];
+  }
+  return Graph(system, within, choice).all(seeds, so_far);
 }
 
 }  // namespace graze

@@ -65,9 +65,9 @@ struct FamilyChoice {
   int most_impacts_unseen = 64;
 };
 
-/// Follows all branches from the seeds (converged orbits) within the range options.from ... options.to. `so_far`: branches of
-/// an earlier, interrupted run; they are kept, except those that were interrupted themselves, and the missing ones are added.
-/// An interrupted run keeps all branches. Misuse throws std::invalid_argument.
+/// Follows all branches from the seeds (converged orbits) within the range options.from ... options.to; without `from` it begins
+/// at the first seed. `so_far`: branches of an earlier, interrupted run; they are kept, except those that were interrupted
+/// themselves, and the missing ones are added. An interrupted run keeps all branches. Misuse throws std::invalid_argument.
 BranchGraph follow_branches(const HybridSystem& system, const std::vector<BranchSeed>& seeds, const ContinuationOptions& options,
                             const std::vector<Branch>& so_far = {}, const FamilyChoice& choice = {});
 

@@ -56,13 +56,19 @@ double events_per_period(const HybridSystem& system, const Vector& p, const Flow
   return most;
 }
 
+/// The start of the range, which has no other default here: there is no orbit yet.
+double range_start(const ContinuationOptions& options) {
+  if (!options.from) throw std::invalid_argument("a skeleton's range needs both ends; `from` is not set");
+  return *options.from;
+}
+
 class SeedFinder {
  public:
   SeedFinder(const HybridSystem& system, const Vector& p, const SkeletonOptions& options)
       : system_(system), p_(p), options_(options),
         parameter_(static_cast<Eigen::Index>(parameter_index(system.parameters, options.continuation.parameter))),
-        low_(std::min(*options.continuation.from, options.continuation.to)),
-        high_(std::max(*options.continuation.from, options.continuation.to)) {
+        low_(std::min(range_start(options.continuation), options.continuation.to)),
+        high_(std::max(range_start(options.continuation), options.continuation.to)) {
     shrink_to_effort();
     fineness_.max_period = longest();
     const bool forced = is_forced(system);  // orbits of autonomous systems are found by settling alone

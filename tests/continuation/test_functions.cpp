@@ -6,6 +6,7 @@
 #include <graze/continuation/conditions/test_function.hpp>
 #include <graze/continuation/graph/branch_graph.hpp>
 #include <graze/continuation/graph/continuation.hpp>
+#include <graze/continuation/graph/skeleton.hpp>
 #include <graze/continuation/problems/orbit_problem.hpp>
 
 #include "support/branches.hpp"
@@ -342,4 +343,11 @@ TEST_CASE("a condition from outside the library states which branch is born at i
   REQUIRE(certain.branches.size() == 3);
   CHECK(certain.branches[1].stop == BranchStop::start_failed);
   CHECK(certain.branches[1].message == "nothing begins there beside UZ2");
+
+  // (fixed) Without `from` the range began at an undefined value, here and where there is no orbit to begin at.
+  options.from = 2.5;
+  CHECK(follow_branches(system, {{orbit, {1}}}, options).branches[0].points.size() == graph.branches[0].points.size());
+  options.from = {};
+  CHECK_THROWS_WITH(follow_branches(system, {}, options), Catch::Contains("give both of its ends"));
+  CHECK_THROWS_WITH(skeleton(system, orbit.parameters, {.continuation = options}), Catch::Contains("needs both ends"));
 }
