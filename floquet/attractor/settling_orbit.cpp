@@ -131,30 +131,20 @@ namespace {
 /// While it exists, a Propagator carries the slot's motions.
 class OneByOne {
  public:
-  explicit OneByOne(TaskSlot& slot) : slot_(slot), p_(slot.p()), from_lanes_(slot.in_lanes()) {
-    if (from_lanes_) slot.set_parameters(p_, true);
-  }
+  explicit OneByOne(TaskSlot& slot) : slot_(slot), p_(slot.p()) { slot.set_parameters(p_, true); }
   OneByOne(const OneByOne&) = delete;
   OneByOne& operator=(const OneByOne&) = delete;
-  ~OneByOne() {
-    if (from_lanes_) slot_.set_parameters(p_);
-  }
+  ~OneByOne() { slot_.set_parameters(p_); }
 
  private:
   TaskSlot& slot_;
   Vector p_;
-  bool from_lanes_;
 };
 
-/// Whether the orbit to which Newton's method converged may be the one on which the motion at `state` is settling. `delicate`:
-/// the lanes leave it to the Propagator.
-enum class Verdict { no, delicate, yes };
-
-Verdict verdict(const Shot& shot, const Vector& state) {
-  if (!shot.converged || !(nearest_distance(shot.orbit.states, state) < 2.0 * worth_trying * (1.0 + state_size(state))))
-    return Verdict::no;
-  if (shot.delicate) return Verdict::delicate;
-  return shot.holds ? Verdict::yes : Verdict::no;
+/// Whether the orbit to which Newton's method converged may be the one on which the motion at `state` is settling.
+bool may_settle(const Shot& shot, const Vector& state) {
+  return shot.converged && shot.holds &&
+         nearest_distance(shot.orbit.states, state) < 2.0 * worth_trying * (1.0 + state_size(state));
 }
 
 /// The states of a motion after 0, 1, ... `periods` periods; fewer if it ends.
@@ -180,11 +170,11 @@ MotionTask<Shot> shoot_next_to_doubling(TaskSlot& slot, const std::vector<Vector
       shot = co_await shoot_from(slot, half, at_doubling);
   if (!shot.converged) co_return shot;
   const std::vector<Vector> single = shot.orbit.states;
-  if (has_doubled(single.size(), shot.multiplier, around.size())) {
+  if (has_doubled(single.size(), shot.multiplier(), around.size())) {
     const std::size_t three_times = 3 * single.size();
     const std::vector<Vector> motion = co_await next_states(slot, around.front(), static_cast<int>(three_times));
     if (motion.size() <= three_times) co_return shot;
-    const std::vector<Vector> doubled = doubled_states(single, shot.multiplier.real(), motion);
+    const std::vector<Vector> doubled = doubled_states(single, shot.multiplier().real(), motion);
     if (!doubled.empty()) shot = co_await shoot_from(slot, doubled, patience);
   }
   co_return shot;
@@ -193,45 +183,25 @@ MotionTask<Shot> shoot_next_to_doubling(TaskSlot& slot, const std::vector<Vector
 /// Whether the motion at `state` is settling on the orbit.
 MotionTask<bool> approaches(TaskSlot& slot, const Shot& shot, const Vector& state) {
   if (shot.orbit.conservative) co_return is_on(shot.orbit.states, state);
-  NearOrbit motion(shot.orbit.states, state, std::abs(shot.multiplier));
+  NearOrbit motion(shot.orbit.states, state, std::abs(shot.multiplier()));
   const auto never = [] { return false; };
   co_await carry_watched(slot, motion, never);
   co_return motion.comes_closer();
 }
 
-/// The orbit near the states around a return. The verdict is yes if it is stable, and the motion through the states approaches it
-/// and was not seen to pass it.
-struct Recognised {
-  Verdict verdict = Verdict::no;
-  StableOrbit orbit = {};
-};
-MotionTask<Recognised> recognise(TaskSlot& slot, const std::vector<Vector>& around, double most_growth, RefusedOrbits& refused,
-                                 const Shot* first = nullptr) {
-  Shot shot = co_await shoot_next_to_doubling(slot, around, most_growth, first);
-  Recognised found;
-  found.verdict = verdict(shot, around.front());
-  if (found.verdict != Verdict::yes) co_return found;
-  if (refused.knows(shot.orbit.states, around.front())) {
-    found.verdict = Verdict::no;
-  } else if (!co_await approaches(slot, shot, around.front())) {
-    refused.add(shot.orbit.states, around.front());
-    found.verdict = Verdict::no;
-  }
-  found.orbit = std::move(shot.orbit);
-  co_return found;
-}
-
-/// The stable orbit near the states around a return, if the motion approaches it: as the slot carries its motions, in delicate
-/// cases by a Propagator.
+/// The stable orbit near the states around a return, if the motion through them approaches it and was not seen to pass it.
 MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& slot, const std::vector<Vector>& around, double most_growth,
-                                                    RefusedOrbits& passed_by, const Shot* first = nullptr) {
-  Recognised found = co_await recognise(slot, around, most_growth, passed_by, first);
-  if (found.verdict == Verdict::delicate) {
-    const OneByOne alone(slot);
-    found = co_await recognise(slot, around, any_growth, passed_by);
+                                                    RefusedOrbits& refused, const Shot* first = nullptr) {
+  std::optional<StableOrbit> found;  // (g++ 12 miscompiles early returns here)
+  Shot shot = co_await shoot_next_to_doubling(slot, around, most_growth, first);
+  if (may_settle(shot, around.front()) && !refused.knows(shot.orbit.states, around.front())) {
+    const bool comes_closer = co_await approaches(slot, shot, around.front());
+    if (comes_closer)
+      found = std::move(shot.orbit);
+    else
+      refused.add(shot.orbit.states, around.front());
   }
-  if (found.verdict != Verdict::yes) co_return std::nullopt;
-  co_return std::move(found.orbit);
+  co_return found;
 }
 
 /// Those of an exhaustive search: Newton's method runs from many guesses at once. Chaos has many returns, most of them to
@@ -243,8 +213,8 @@ MotionTask<std::optional<StableOrbit>> orbit_around_any(TaskSlot& slot, const st
       motions_at_once(system, slot.p(), slot.flow()) * (all_threads ? available_threads() : std::size_t{1});
   const auto can_be_skipped = [&](const Shot& shot, const std::vector<Vector>& around) {
     if (!shot.converged) return between_halves(around, near_halves).empty();
-    if (has_doubled(shot.orbit.states.size(), shot.multiplier, around.size())) return false;
-    return verdict(shot, around.front()) == Verdict::no || refused.knows(shot.orbit.states, around.front());
+    if (has_doubled(shot.orbit.states.size(), shot.multiplier(), around.size())) return false;
+    return !may_settle(shot, around.front()) || refused.knows(shot.orbit.states, around.front());
   };
   for (std::size_t begin = 0; begin < guesses.size(); begin += together) {
     std::vector<Shot> shots(std::min(together, guesses.size() - begin));
@@ -256,7 +226,7 @@ MotionTask<std::optional<StableOrbit>> orbit_around_any(TaskSlot& slot, const st
     for (std::size_t i = 0; i < shots.size(); ++i) {
       const std::vector<Vector>& around = guesses[begin + i];
       if (can_be_skipped(shots[i], around)) continue;
-      const Shot* const first = shots[i].by_propagator ? &shots[i] : nullptr;
+      const Shot* const first = shots[i].orbit.whole ? &shots[i] : nullptr;
       if (auto orbit = co_await orbit_around(slot, around, any_growth, refused, first)) co_return orbit;
     }
   }
@@ -325,7 +295,7 @@ MotionTask<std::optional<StableOrbit>> look_at_all(TaskSlot& slot, const Vector&
 
 MotionTask<std::optional<StableOrbit>> orbit_approached(TaskSlot& slot, const Shot& shot, const Vector& state) {
   std::optional<StableOrbit> approached;  // (g++ 12 miscompiles this function with early returns)
-  if (verdict(shot, state) == Verdict::yes) {
+  if (may_settle(shot, state)) {
     const bool comes_closer = co_await approaches(slot, shot, state);
     if (comes_closer) approached = shot.orbit;
   }
@@ -337,6 +307,18 @@ MotionTask<int> closest_return(TaskSlot& slot, const Vector& state, int max_peri
   const std::vector<int> returns = returns_of(states, nearness, max_period);
   co_return returns.empty() ? 0 : returns.front();
 }
+
+namespace {
+
+/// Newton's method of shoot() may change last digits.
+void refine(StableOrbit& orbit, const TaskSlot& slot) {
+  ShootingOptions shooting;
+  shooting.flow = slot.flow();
+  PeriodicOrbit found = shoot(slot.system(), slot.p(), orbit.states, orbit.period, shooting);
+  if (found.converged()) orbit = StableOrbit(std::move(found));
+}
+
+}  // namespace
 
 MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& slot, const Vector& state, OrbitSearch search) {
   OrbitSearchResult out;
@@ -350,6 +332,7 @@ MotionTask<OrbitSearchResult> look_for_orbit(TaskSlot& slot, const Vector& state
   if (!(search.nearness > 0.0)) {
     const OneByOne alone(slot);
     out.orbit = co_await look_at_all(slot, state, search.max_period, search.all_threads);
+    if (out.orbit && is_forced(slot.system())) refine(*out.orbit, slot);
     co_return out;
   }
   RefusedOrbits here;

@@ -28,9 +28,8 @@ struct OrbitSearchResult {
 /// How an orbit is sought.
 struct OrbitSearch {
   int max_period = 64;  ///< longest period tried
-  /// > 0: only the few closest returns are tried, and only those within this distance, relative to 1 + |x|. In lanes, the orbit
-  /// is then whole only in delicate cases (lane_orbits.hpp). 0: exhaustive; every return that may have settled is tried, and the
-  /// orbit is whole.
+  /// > 0: only the few closest returns are tried, and only those within this distance, relative to 1 + |x|. The orbit is then
+  /// whole only where a Shot is. 0: exhaustive; every return that may have settled is tried, and the orbit is whole.
   double nearness = 0.0;
   /// Of a search among the closest returns: orbits that the motion was seen to pass; those that it passes now are added. May be
   /// null. An exhaustive search tries all of them again.
@@ -47,8 +46,7 @@ std::optional<StableOrbit> settling_orbit(const HybridSystem& system, const Vect
 /// Number of periods after which the motion from `state` returns most closely, among up to max_period; 0: not within `nearness`.
 MotionTask<int> closest_return(TaskSlot& slot, const Vector& state, int max_period, double nearness);
 
-/// The orbit found, if it is stable and not delicate, and the motion at `state` near it approaches it. Uses the parameters of the
-/// slot.
+/// The orbit found, if it is stable and the motion at `state` near it approaches it. Uses the parameters of the slot.
 MotionTask<std::optional<StableOrbit>> orbit_approached(TaskSlot& slot, const Shot& shot, const Vector& state);
 
 /// The states from which a motion may be settling on a stable orbit: the tangent does not keep growing. In chaos it does;

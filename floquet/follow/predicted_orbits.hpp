@@ -27,9 +27,9 @@ struct PredictedOrbit {
 MotionTask<std::vector<double>> impact_speeds_of(TaskSlot& slot, const Vector& p, const StableOrbit& orbit);
 
 /// `before`: states at phase 0 of orbits of the same period at equidistant values, the last one last; `next`: the parameters at
-/// the values that follow. Returns the orbits at the first of these, up to the first one that is not found, not stable,
-/// delicate for the lanes, or not approached by the motion from the one before. Each begins at the state that continues the one
-/// before. Empty if fewer than two orbits are known.
+/// the values that follow. Returns the orbits at the first of these, up to the first one that is not found, not stable, or not
+/// approached by the motion from the one before. Each begins at the state that continues the one before. Empty if fewer than two
+/// orbits are known.
 std::vector<PredictedOrbit> predicted_orbits(const SharedSystem& system, const std::vector<std::vector<Vector>>& before,
                                              const std::vector<Vector>& next, const FlowOptions& flow = {});
 

@@ -16,7 +16,7 @@
 namespace graze {
 
 /// The divisors of the number of states after which an orbit with these states nearly closes, by increasing size.
-template <class State> std::vector<std::size_t> shorter_periods(const std::vector<State>& states) {
+inline std::vector<std::size_t> shorter_periods(const std::vector<Vector>& states) {
   constexpr double nearly = 1e-5;  // relative to 1 + |x|
   const std::size_t n = states.size();
   std::vector<std::size_t> out;
@@ -27,8 +27,8 @@ template <class State> std::vector<std::size_t> shorter_periods(const std::vecto
 
 /// Newton's guess for the orbit of `shorter` periods: the first states of the longer one, which begin midway between the two that
 /// should be one.
-template <class State> std::vector<State> guess_of_shorter(const std::vector<State>& states, std::size_t shorter) {
-  std::vector<State> out(states.begin(), states.begin() + static_cast<std::ptrdiff_t>(shorter));
+inline std::vector<Vector> guess_of_shorter(const std::vector<Vector>& states, std::size_t shorter) {
+  std::vector<Vector> out(states.begin(), states.begin() + static_cast<std::ptrdiff_t>(shorter));
   out.front() = weighted(0.5, states[0], 0.5, states[shorter]);
   return out;
 }
@@ -36,8 +36,8 @@ template <class State> std::vector<State> guess_of_shorter(const std::vector<Sta
 /// Whether an orbit is the one with these multipliers, run through `times` times, if the two runs of Newton's method have found
 /// the state x at this distance from each other. Newton's error is rounding divided by the distance of the multipliers from 1:
 /// near a bifurcation it is not small.
-template <class Multipliers>
-bool is_repeated(const Multipliers& multipliers, std::size_t times, double distance, double size_of_x) {
+inline bool is_repeated(const std::vector<std::complex<double>>& multipliers, std::size_t times, double distance,
+                        double size_of_x) {
   constexpr double rounding = 1e-12, least = 1e-10, most = 1e-6;
   double nearest = 1.0;
   for (const std::complex<double>& mu : multipliers)

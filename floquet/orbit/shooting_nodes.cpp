@@ -4,31 +4,21 @@
 #include <graze/lib/numerics/decompositions.hpp>
 #include <graze/lib/numerics/orbit_lu.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 namespace graze {
 
-namespace {
-
-/// The states kept on all stretches (their closing equation is no condition), while constraints hold.
-std::vector<KeptState> kept_states(const ShootingEquations& equations) {
-  for (int j = 0; j < equations.nodes(); ++j)
-    if (equations.stretch(j).lost == 0) return {};
-  return find_kept_states(equations.states(), [&](const KeptState& one) {
-    for (int j = 0; j < equations.nodes(); ++j)
-      if (!one.kept_by(equations.stretch(j).Phi)) return false;
-    return true;
-  });
-}
-
-/// Newton's step. If states are kept, it is the shortest one: they stay where they are as far as possible.
-Vector newton_step(const ShootingEquations& equations, const Matrix& jacobian, const Vector& residual) {
-  if (kept_states(equations).empty()) return OrbitLU<Matrix>(jacobian).solve(-residual);
+Vector step_on_nodes(const Matrix& jacobian, const Vector& residual, std::span<const NodeMap> maps) {
+  const bool constrained = std::all_of(maps.begin(), maps.end(), [](const NodeMap& map) { return map.lost > 0; });
+  const auto kept_on_all = [&](const KeptState& one) {
+    return std::all_of(maps.begin(), maps.end(), [&](const NodeMap& map) { return one.kept_by(*map.Phi); });
+  };
+  if (!constrained || find_kept_states(maps.front().Phi->rows(), kept_on_all).empty())
+    return OrbitLU<Matrix>(jacobian).solve(-residual);
   return shortest_solution(jacobian, -residual, 1e-11);  // above the rounding of the kept rows
 }
-
-}  // namespace
 
 std::optional<double> ShootingNodes::residual(const Vector& trial) {
   if (!equations_.evaluate(trial, options_)) return std::nullopt;
@@ -38,7 +28,9 @@ std::optional<double> ShootingNodes::residual(const Vector& trial) {
 
 NewtonStep ShootingNodes::solve(const Vector& u) {
   equations_.jacobian(jacobian_);
-  step_ = newton_step(equations_, jacobian_, residual_);
+  std::vector<NodeMap> maps;
+  for (int j = 0; j < equations_.nodes(); ++j) maps.push_back({&equations_.stretch(j).Phi, equations_.stretch(j).lost});
+  step_ = step_on_nodes(jacobian_, residual_, maps);
   const double length = step_.allFinite() ? step_.lpNorm<Eigen::Infinity>() : std::nan("");
   return {.length = length, .size = 1.0 + u.lpNorm<Eigen::Infinity>()};
 }

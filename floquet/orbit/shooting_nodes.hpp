@@ -6,8 +6,19 @@
 #include <graze/lib/tasks/newton_loop.hpp>
 
 #include <optional>
+#include <span>
 
 namespace graze {
+
+/// First-order map of the stretch from one node to the next, and Transition::lost.
+struct NodeMap {
+  const Matrix* Phi;
+  int lost;
+};
+
+/// Newton's step on the nodes, -J^{-1} F; not finite where J is singular. States that constraints keep on all stretches (their
+/// closing equation is no condition) stay where they are as far as possible: it is then the shortest step.
+Vector step_on_nodes(const Matrix& jacobian, const Vector& residual, std::span<const NodeMap> maps);
 
 /// ShootingEquations for newton_loop. Their residual is relative to 1 + |u|.
 class ShootingNodes : public EquationsAtOnce {

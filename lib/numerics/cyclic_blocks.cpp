@@ -37,44 +37,45 @@ void reflect(std::array<Row, 4>& A) {
 }
 
 /// The solution of a two by two system, with pivoting.
-CyclicBlocks::Pair solution(double a, double b, double c, double d, double f, double g) {
+Eigen::Vector2d solution(double a, double b, double c, double d, double f, double g) {
   if (std::abs(c) > std::abs(a)) {
     std::swap(a, c);
     std::swap(b, d);
     std::swap(f, g);
   }
   const double ratio = c / a, y = (g - ratio * f) / (d - ratio * b);
-  return {(f - b * y) / a, y};
+  return Eigen::Vector2d((f - b * y) / a, y);
 }
 
 }  // namespace
 
-void CyclicBlocks::solve(const std::vector<Square>& Phi, const std::vector<Pair>& r, std::vector<Pair>& d) {
-  const std::size_t n = Phi.size();
-  d.resize(n);
-  rows_.resize(n);
+void CyclicBlocks::solve(const std::vector<Matrix>& Phi, const Matrix& r, Matrix& d) {
+  const Eigen::Index n = r.cols();
+  d.resize(2, n);
+  rows_.resize(Phi.size());
   // The remainder of the equations eliminated so far: P d_0 + Q d_k = g.
-  Square P = Phi[0], Q = {-1.0, 0.0, 0.0, -1.0};
-  Pair g = {-r[0][0], -r[0][1]};
-  for (std::size_t k = 1; k < n; ++k) {
-    std::array<Row, 4> A = {Row{Q[0], Q[1], P[0], P[1], 0.0, 0.0, g[0]}, Row{Q[2], Q[3], P[2], P[3], 0.0, 0.0, g[1]},
-                            Row{Phi[k][0], Phi[k][1], 0.0, 0.0, -1.0, 0.0, -r[k][0]},
-                            Row{Phi[k][2], Phi[k][3], 0.0, 0.0, 0.0, -1.0, -r[k][1]}};
+  Eigen::Matrix2d P = Phi[0], Q = -Eigen::Matrix2d::Identity();
+  Eigen::Vector2d g = -r.col(0);
+  for (Eigen::Index k = 1; k < n; ++k) {
+    const Matrix& M = Phi[static_cast<std::size_t>(k)];
+    std::array<Row, 4> A = {
+        Row{Q(0, 0), Q(0, 1), P(0, 0), P(0, 1), 0.0, 0.0, g[0]}, Row{Q(1, 0), Q(1, 1), P(1, 0), P(1, 1), 0.0, 0.0, g[1]},
+        Row{M(0, 0), M(0, 1), 0.0, 0.0, -1.0, 0.0, -r(0, k)}, Row{M(1, 0), M(1, 1), 0.0, 0.0, 0.0, -1.0, -r(1, k)}};
     reflect(A);
-    rows_[k] = {A[0], A[1]};
-    P = {A[2][2], A[2][3], A[3][2], A[3][3]};
-    Q = {A[2][4], A[2][5], A[3][4], A[3][5]};
-    g = {A[2][6], A[3][6]};
+    rows_[static_cast<std::size_t>(k)] = {A[0], A[1]};
+    P << A[2][2], A[2][3], A[3][2], A[3][3];
+    Q << A[2][4], A[2][5], A[3][4], A[3][5];
+    g << A[2][6], A[3][6];
   }
-  d[0] = solution(P[0] + Q[0], P[1] + Q[1], P[2] + Q[2], P[3] + Q[3], g[0], g[1]);
-  for (std::size_t k = n; k-- > 1;) {
-    const Pair& next = d[(k + 1) % n];
+  d.col(0) = solution(P(0, 0) + Q(0, 0), P(0, 1) + Q(0, 1), P(1, 0) + Q(1, 0), P(1, 1) + Q(1, 1), g[0], g[1]);
+  for (Eigen::Index k = n; k-- > 1;) {
+    const auto next = d.col((k + 1) % n);
     const auto right = [&](const Row& row) {
-      return row[6] - row[2] * d[0][0] - row[3] * d[0][1] - row[4] * next[0] - row[5] * next[1];
+      return row[6] - row[2] * d(0, 0) - row[3] * d(1, 0) - row[4] * next[0] - row[5] * next[1];
     };
-    const Row &upper = rows_[k][0], &lower = rows_[k][1];
-    d[k][1] = right(lower) / lower[1];
-    d[k][0] = (right(upper) - upper[1] * d[k][1]) / upper[0];
+    const auto& [upper, lower] = rows_[static_cast<std::size_t>(k)];
+    d(1, k) = right(lower) / lower[1];
+    d(0, k) = (right(upper) - upper[1] * d(1, k)) / upper[0];
   }
 }
 

@@ -6,19 +6,17 @@
 // Comput. 13 (1992) 742), which stays accurate if the product of the Phi_k is large.
 #pragma once
 
+#include <graze/lib/numerics/vector.hpp>
+
 #include <array>
-#include <cstddef>
 #include <vector>
 
 namespace graze {
 
 class CyclicBlocks {
  public:
-  using Pair = std::array<double, 2>;
-  using Square = std::array<double, 4>;  ///< row-major
-
-  /// Computes the steps d_0 ... d_{n-1}; not finite if the equations have no unique solution.
-  void solve(const std::vector<Square>& Phi, const std::vector<Pair>& r, std::vector<Pair>& d);
+  /// Computes the steps d_0 ... d_{n-1}, columns as those of r; not finite if the equations have no unique solution.
+  void solve(const std::vector<Matrix>& Phi, const Matrix& r, Matrix& d);
 
  private:
   /// Upper rows of a node's elimination: R d_k + S d_0 + T d_{k+1} = h, as rows of 7 numbers.

@@ -38,11 +38,20 @@ class CarriedPeriods {
 
   // Of a request with tangent:
 
-  /// The first-order map of period k from state to state (n x n).
-  Matrix map(std::size_t k) const {
-    if (system_) return period_map(alone_[k]);
+  /// Writes the first-order map of period k from state to state (n x n).
+  void map(std::size_t k, Matrix& out) const {
+    if (system_) {
+      out = period_map(alone_[k]);
+      return;
+    }
     const auto& Phi = in_lanes_[k].Phi;
-    return Matrix{{Phi[0], Phi[1]}, {Phi[2], Phi[3]}};
+    out.resize(2, 2);
+    out << Phi[0], Phi[1], Phi[2], Phi[3];
+  }
+  Matrix map(std::size_t k) const {
+    Matrix out;
+    map(k, out);
+    return out;
   }
   /// Its first-order map from beginning to end at fixed times: that of tangent vectors. With two states, row by row.
   Matrix tangent_map(std::size_t k) const { return system_ ? alone_[k].Phi : map(k); }
@@ -59,6 +68,8 @@ class CarriedPeriods {
   double liouville(std::size_t k) const { return system_ ? alone_[k].liouville : in_lanes_[k].liouville; }
   /// Transition::lost.
   int lost(std::size_t k) const { return system_ ? alone_[k].lost : 0; }
+  /// Whether it was carried by a Propagator: alone, or because the lanes left it to one.
+  bool by_propagator(std::size_t k) const { return system_ || in_lanes_[k].by_propagator; }
   /// Impacts and entries into contact.
   int impacts(std::size_t k) const { return system_ ? contacts_among(alone_[k].event_sequence, *system_) : in_lanes_[k].impacts; }
   /// Of the period of an autonomous system; of a forced one it may be 0.

@@ -94,6 +94,17 @@ TaskSlot::CarryingSome TaskSlot::carry_all(const std::vector<Vector>& states, st
   return {*this, periods};
 }
 
+TaskSlot::CarryingOne TaskSlot::carry_nodes(const Matrix& nodes, std::vector<std::optional<std::size_t>>& modes) {
+  if (alone_) {
+    carry_nodes_alone(nodes, modes);
+  } else {
+    starts_.clear();
+    for (const auto& node : nodes.colwise()) starts_.push_back({parameters_, node[0], node[1]});
+    carry(starts_, 1, true);
+  }
+  return CarryingOne(*this);
+}
+
 /// `speeds`: of the first motion.
 void TaskSlot::carry_some(std::span<const Vector> states, std::size_t periods, bool tangent, ImpactSpeeds* speeds) {
   if (alone_) return carry_alone(states, periods, tangent, speeds);
@@ -124,6 +135,22 @@ void TaskSlot::carry_alone(std::span<const Vector> states, std::size_t periods, 
   if (!speeds) return;
   for (const Transition& period : ends_)
     if (period.termination == Termination::time) record_contacts(period.events, *speeds);
+}
+
+/// One Propagator carries all nodes, up to the first that fails.
+void TaskSlot::carry_nodes_alone(const Matrix& nodes, std::vector<std::optional<std::size_t>>& modes) {
+  TransitionOptions options{.sensitivity = Sensitivity::state};
+  ends_.resize(static_cast<std::size_t>(nodes.cols()));
+  modes.resize(ends_.size());
+  for (std::size_t k = 0; k < ends_.size(); ++k) {
+    options.held_mode = modes[k];
+    carry_period(propagator(), nodes.col(static_cast<Eigen::Index>(k)), options, ends_[k]);
+    if (ends_[k].termination != Termination::time) {
+      for (Transition& later : std::span(ends_).subspan(k + 1)) later.termination = ends_[k].termination;
+      return;
+    }
+    modes[k] = ends_[k].mode0;
+  }
 }
 
 CarriedPeriods TaskSlot::carried() const {

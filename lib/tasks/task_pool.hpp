@@ -58,14 +58,17 @@ class TaskSlot {
   /// co_await: the results of `periods` forcing periods of these motions in lanes at the slot's parameters, in the order of
   /// LaneCarrier::carry. They are valid until the next request.
   Carrying carry(std::span<const MotionStart> motions, std::size_t periods, bool tangent);
-  /// Those of the last request.
-  std::span<const PeriodResult> results() const { return results_; }
   /// co_await: the next `periods` periods of the motion from `state`, in lanes or not.
   CarryingOne carry(const Vector& state, std::size_t periods, ImpactSpeeds* speeds = nullptr);
   /// The same with tangent.
   CarryingOne carry_with_tangent(const Vector& state, std::size_t periods);
   /// The same of the motions from each of these states.
   CarryingSome carry_all(const std::vector<Vector>& states, std::size_t periods, bool tangent);
+  /// co_await: one forcing period with tangent from each node of an orbit, the columns of `nodes`. `modes`: those at the nodes
+  /// the last time (TransitionOptions::held_mode); they are brought up to date.
+  CarryingOne carry_nodes(const Matrix& nodes, std::vector<std::optional<std::size_t>>& modes);
+  /// The periods of the last request for a state, states or nodes.
+  CarriedPeriods carried() const;
 
  private:
   friend class TaskPool;
@@ -75,7 +78,7 @@ class TaskSlot {
   void resume();
   void carry_some(std::span<const Vector> states, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
   void carry_alone(std::span<const Vector> states, std::size_t periods, bool tangent, ImpactSpeeds* speeds);
-  CarriedPeriods carried() const;
+  void carry_nodes_alone(const Matrix& nodes, std::vector<std::optional<std::size_t>>& modes);
 
   TaskPool* pool_;
   bool alone_ = false;                                    ///< its motions are not carried in lanes
