@@ -653,7 +653,8 @@ BranchGraph follow_branches(const HybridSystem& system, const std::vector<Branch
   ContinuationOptions within = options;
   if (!within.from) {
     if (seeds.empty()) throw std::invalid_argument("without seeds the range has no start; give both of its ends");
-    within.from = seeds.front().orbit.parameters[static_cast<Eigen::Index>(parameter_index(system.parameters, options.parameter))];
+    within.from =
+        seeds.front().orbit.parameters[static_cast<Eigen::Index>(parameter_index(system.parameters, options.parameter))];
   }
   return Graph(system, within, choice).all(seeds, so_far);
 }
