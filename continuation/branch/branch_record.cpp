@@ -44,8 +44,11 @@ bool BranchRecord::interrupted_now() {
   return interrupted_;
 }
 
-bool BranchRecord::is_left_by(const BranchPoint& next) const {
-  return leaves_branch(settings_.system, symmetries_, branch_, next);
+std::optional<Verdict> BranchRecord::rejection_of(const BranchPoint& next) const {
+  if (!next.multipliers.valid) return Verdict(Verdict::reject, "the multipliers cannot be computed");
+  if (leaves_branch(settings_.system, symmetries_, branch_, next))
+    return Verdict(Verdict::reject, "the orbit found beyond is on another branch");
+  return std::nullopt;
 }
 
 void BranchRecord::mark(BranchProblem& problem, const Vector& u, PointType type) {
@@ -138,16 +141,17 @@ void BranchRecord::append_apart(const Vector& u, BranchPoint point) {
 
 Verdict BranchRecord::end_before(BranchProblem& problem, const CurvePoint& before, double part, CurvePoint& after) {
   constexpr double just_before = 0.9;
+  const Verdict none_there(Verdict::reject, "no orbit is found just before the end of the branch");
   const Vector chord = after.u - before.u;
   CurvePoint last;
   last.u = before.u + just_before * part * chord;
   last.arclength = before.arclength + just_before * part * (after.arclength - before.arclength);
-  if (!correct(problem.zero_problem(), chord, last.u, settings_.options.trace).converged()) return Verdict::reject;
+  if (!correct(problem.zero_problem(), chord, last.u, settings_.options.trace).converged()) return none_there;
   last.tangent = tangent_at(problem.zero_problem(), last.u, before.tangent);
   BranchPoint point = problem.branch_point(last.u, branch_.points.back().arclength + last.arclength - before.arclength);
-  if (last.tangent.size() == 0 || !point.multipliers.valid || !problem.is_motion(last.u)) return Verdict::reject;
-  if (point.isolated_impacts != branch_.points.back().isolated_impacts) return Verdict::reject;
-  if (!take(problem, before, last, std::move(point), {})) return Verdict::reject;
+  if (last.tangent.size() == 0 || !point.multipliers.valid || !problem.is_motion(last.u)) return none_there;
+  if (point.isolated_impacts != branch_.points.back().isolated_impacts) return none_there;
+  if (!take(problem, before, last, std::move(point), {})) return {Verdict::reject, special_points_lost};
   after = std::move(last);
   return Verdict::stop;
 }
@@ -193,17 +197,18 @@ std::optional<Verdict> end_of_range(const FollowSettings& settings, BranchProble
   const bool below = value <= settings.low + tolerance && last > settings.low && value < last;
   if (!above && !below) {
     const bool outside = value > settings.high + tolerance || value < settings.low - tolerance;
-    return outside ? std::optional(Verdict::reject) : std::nullopt;
+    return outside ? std::optional<Verdict>({Verdict::reject, "the branch leaves the range"}) : std::nullopt;
   }
   const double bound = above ? settings.high : settings.low;
   const Vector u =
       at_value(problem, before.u + (bound - last) / (value - last) * (after.u - before.u), bound, settings.options.trace);
-  if (u.size() == 0) return Verdict::reject;
+  const Verdict none_there(Verdict::reject, "no isolated orbit is found at the end of the range");
+  if (u.size() == 0) return none_there;
   const double length = after.arclength - before.arclength;
   after.arclength = before.arclength + length * std::clamp((bound - last) / (value - last), 0.0, 1.0);
   after.u = u;
   after.tangent = tangent_at(problem.zero_problem(), u, before.tangent);
-  return after.tangent.size() == 0 ? Verdict::reject : Verdict::stop;
+  return after.tangent.size() == 0 ? none_there : Verdict::stop;
 }
 
 }  // namespace graze

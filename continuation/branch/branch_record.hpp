@@ -43,6 +43,9 @@ struct Corner {
 
 class BranchRecord {
  public:
+  /// Why take() may return false.
+  static constexpr const char* special_points_lost = "a special point there cannot be located";
+
   /// Refers to its arguments.
   BranchRecord(const FollowSettings& settings, Branch& branch);
 
@@ -50,13 +53,14 @@ class BranchRecord {
   bool empty() const { return branch_.points.empty(); }
   /// Unknowns of the last point.
   const Vector& last() const { return last_; }
-  /// See leaves_branch().
-  bool is_left_by(const BranchPoint& next) const;
+  /// Rejects a point without multipliers, and one off the branch (leaves_branch()). Empty: neither.
+  std::optional<Verdict> rejection_of(const BranchPoint& next) const;
 
   /// Appends the first point, which is an end of the branch.
   void begin(BranchProblem& problem, const Vector& u);
   /// Locates the special points between the last point and the next, and appends the next point. False if the step must be
-  /// halved. `met`: special points that are already located in the step. `corner`: in a step around it.
+  /// halved: it passes special points that are not located. `met`: special points that are already located in the step. `corner`:
+  /// in a step around it.
   bool take(BranchProblem& problem, const CurvePoint& before, const CurvePoint& after, BranchPoint point,
             std::vector<PointInStep> met, const std::optional<Corner>& corner = {});
   /// Appends the next point of a branch whose test functions are not continuous in the step.

@@ -88,11 +88,12 @@ Verdict SignatureFollower::monitor_beyond_grazing(const CurvePoint& before, Curv
     BranchPoint point = problem_.branch_point(after.u, after.arclength - nearer->arclength);
     if (point.multipliers.valid && record_.take(problem_, *nearer, after, std::move(point), {})) return next;
     record_.clear();
-    return Verdict::reject;
+    return {Verdict::reject, BranchRecord::special_points_lost};
   }
   if (is_motion && !at_end) return Verdict::go_on;
   const bool ends = outside || at_end;
-  if (fastest_ < least_resolved_speed) return ends ? Verdict::stop : Verdict::reject;
+  const Verdict too_slow(Verdict::reject, "its impact is slower than can be resolved");
+  if (fastest_ < least_resolved_speed) return ends ? Verdict::stop : too_slow;
   record_.begin(problem_, fastest_point_);
   const double bound = std::clamp(value, settings_.low, settings_.high);
   if (ends)
@@ -103,21 +104,21 @@ Verdict SignatureFollower::monitor_beyond_grazing(const CurvePoint& before, Curv
                      record_.branch().parameter, bound, least_kept_speed)});
   if (ends || reaches_grazing(before, after)) return Verdict::stop;
   record_.clear();
-  return Verdict::reject;
+  return too_slow;
 }
 
 Verdict SignatureFollower::monitor(const CurvePoint& before, CurvePoint& after) {
   if (record_.interrupted_now()) return Verdict::stop;
   if (record_.empty()) return monitor_beyond_grazing(before, after);
   const std::optional<Verdict> end = end_of_range(settings_, problem_, before, after);
-  if (end == Verdict::reject) return Verdict::reject;
+  if (end == Verdict::reject) return *end;
   refused_ = problem_.violation(after.u);
   if (refused_) return reaches_grazing(before, after) ? Verdict::stop : Verdict::reject;
   BranchPoint point =
       problem_.branch_point(after.u, record_.branch().points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || record_.is_left_by(point)) return Verdict::reject;
+  if (const auto verdict = record_.rejection_of(point)) return *verdict;
   if (const auto verdict = record_.end_at_half(problem_, before, after)) return *verdict;
-  if (!record_.take(problem_, before, after, std::move(point), {})) return Verdict::reject;
+  if (!record_.take(problem_, before, after, std::move(point), {})) return {Verdict::reject, BranchRecord::special_points_lost};
   return end.value_or(Verdict::go_on);
 }
 

@@ -33,7 +33,7 @@ std::optional<Verdict> end_at_equilibrium(OrbitProblem& problem, BranchRecord& r
   const double length = after.arclength - before.arclength;
   const std::optional<double> hopf = locate_hopf(problem, before.u);
   if (!hopf || std::abs(*hopf - problem.value(before.u)) > 2.0 * length * problem.scale())
-    return length > shortest ? std::optional(Verdict::reject) : std::nullopt;
+    return length > shortest ? std::optional<Verdict>({Verdict::reject, "the step passes an equilibrium"}) : std::nullopt;
   const Verdict verdict = record.end_before(problem, before, *part, after);
   if (verdict == Verdict::stop)
     record.end_with(
@@ -214,19 +214,20 @@ Curve StatesFollower::follow(const BranchStart& given) {
 }
 
 Verdict StatesFollower::monitor(const CurvePoint& before, CurvePoint& after) {
+  constexpr const char* several_graze = "several impacts graze close together";
   if (record_.interrupted_now()) return Verdict::stop;
   const Branch& branch = record_.branch();
   const std::optional<Verdict> end = end_of_range(settings_, problem_, before, after);
-  if (end == Verdict::reject) return Verdict::reject;
+  if (end == Verdict::reject) return *end;
   BranchPoint point = problem_.branch_point(after.u, branch.points.back().arclength + after.arclength - before.arclength);
-  if (!point.multipliers.valid || record_.is_left_by(point)) return Verdict::reject;
-  if (releases_pinned(problem_, point)) return Verdict::reject;
+  if (const auto verdict = record_.rejection_of(point)) return *verdict;
+  if (releases_pinned(problem_, point)) return {Verdict::reject, "a mass that friction holds is released"};
   // When a chatter becomes incomplete, infinitely many impacts separate, each with its own grazing.
   const bool sticks = point.isolated_impacts < point.impacts;
   const bool switches = sticks != (branch.points.back().isolated_impacts < branch.points.back().impacts);
   const bool plastic = switches && is_plastic(settings_.system, problem_.equations().parameters());
   if (settings_.hard_contacts && switches && !plastic) {
-    if (after.arclength - before.arclength > 1e-7) return Verdict::reject;
+    if (after.arclength - before.arclength > 1e-7) return {Verdict::reject, "a chatter becomes complete or ceases to be"};
     end_at_chatter(settings_.system, record_);
     return Verdict::stop;
   }
@@ -237,13 +238,13 @@ Verdict StatesFollower::monitor(const CurvePoint& before, CurvePoint& after) {
                          : std::abs(point.isolated_impacts - branch.points.back().isolated_impacts);
   // Orbits on the two sides of a hard grazing are different families, even if the corrector converges across it: never step
   // over one.
-  if (change == 1 && settings_.hard_contacts) return Verdict::reject;
+  if (change == 1 && settings_.hard_contacts) return {Verdict::reject, "an impact grazes"};
   const bool close = after.arclength - before.arclength <= 1e-7;
-  if (change > 1 && settings_.hard_contacts && !close) return Verdict::reject;
+  if (change > 1 && settings_.hard_contacts && !close) return {Verdict::reject, several_graze};
   // Friction holds a body all along from here on: the orbits beyond keep its place, which is pinned.
   holds_more_ = point.signature != branch.points.back().signature && holds_more(problem_, after.u);
   if (holds_more_ || is_kink(branch.points.back(), point)) {
-    if (!close) return Verdict::reject;
+    if (!close) return {Verdict::reject, "the branch has a kink"};
     const bool rises = problem_.value(after.u) > problem_.value(before.u), rose = problem_.value(before.tangent) > 0.0;
     append_beyond_kink(after.u, std::move(point), rises == rose);
     holds_more_ = holds_more_ && !end;
@@ -256,10 +257,11 @@ Verdict StatesFollower::monitor(const CurvePoint& before, CurvePoint& after) {
     GrazingInStep grazing = grazing_in_step(problem_, before, after, point, branch);
     met.push_back({place_of(problem_.zero_problem(), before, grazing.u), grazing.u, std::move(grazing.point)});
   }
-  if (change > 1 && !close && met.back().point.status != PointStatus::converged) return Verdict::reject;
+  if (change > 1 && !close && met.back().point.status != PointStatus::converged) return {Verdict::reject, several_graze};
   if (auto kink = kink_in_step(problem_, {before, branch.points.back()}, {after, point}, branch, settings_.options.trace))
     met.push_back(std::move(*kink));
-  if (!record_.take(problem_, before, after, std::move(point), std::move(met))) return Verdict::reject;
+  if (!record_.take(problem_, before, after, std::move(point), std::move(met)))
+    return {Verdict::reject, BranchRecord::special_points_lost};
   if (end) return Verdict::stop;
   section_blocked_ = better_section(after.u) != problem_.equations().section_phase();
   return section_blocked_ ? Verdict::stop : Verdict::go_on;

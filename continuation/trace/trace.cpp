@@ -170,7 +170,7 @@ Curve trace(const ZeroProblem& problem, const Vector& u0, const Vector& orientat
         verdict = monitor ? monitor(last, next) : Verdict::go_on;
       if (!smooth && verdict == Verdict::reject)
         curve.failure = jumps ? "the orbit found beyond lies elsewhere" : "the curve turns too sharply";
-      if (smooth && verdict == Verdict::reject) curve.failure = "the point was rejected";
+      if (smooth && verdict == Verdict::reject) curve.failure = verdict.reason;
     } else {
       curve.failure = reason(problem, next.newton.status);
     }

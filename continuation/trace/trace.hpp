@@ -36,7 +36,15 @@ struct CurvePoint {
 enum class TraceStop { not_run, monitor, point_limit, min_step, start_failed, closed, interrupted };
 
 /// Decision of a monitor on a new point: continue, reject it (the step is halved), or stop with it as the last point.
-enum class Verdict { go_on, reject, stop };
+struct Verdict {
+  enum Decision { go_on, reject, stop };
+
+  Decision decision;
+  const char* reason;  ///< of a rejection, for Curve::failure
+
+  Verdict(Decision d, const char* why = "the point was rejected") : decision(d), reason(why) {}
+  bool operator==(Decision other) const { return decision == other; }
+};
 using Monitor = std::function<Verdict(const CurvePoint& before, CurvePoint& after)>;
 
 struct Curve {

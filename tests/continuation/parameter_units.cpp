@@ -135,3 +135,15 @@ TEST_CASE("a branch reaches the limit of its parameter in any unit, without poin
     CHECK(std::count_if(branches[0].points.begin(), branches[0].points.end(), near) <= 2);
   }
 }
+
+TEST_CASE("a branch that ends before a limit of its parameter says why") {
+  // Without its spring the mass has no isolated orbit: any place is one.
+  SystemWriter writer;
+  writer.system.name = "spring";
+  writer.states({"x", "v"}).forcing("w").parameter("w", "0.8").parameter(not_negative("k", 1.0));
+  writer.mode("free", "x' = v\nv' = cos(w*t) - 0.1*v - k*x");
+  const std::vector<Branch> branches = followed_in(equations::make_system(writer.system).system, "k", 0.0);
+  REQUIRE(branches.size() == 1);
+  CHECK(branches[0].stop == BranchStop::step_too_small);
+  CHECK(branches[0].message.find("(no isolated orbit is found at the end of the range)") != std::string::npos);
+}
