@@ -2,6 +2,7 @@
 // Orbits found side by side by the tasks of a pool, against closed forms and against shoot().
 #include <graze/floquet/attractor/settling_orbit.hpp>
 #include <graze/floquet/orbit/shot.hpp>
+#include <graze/floquet/orbit/state_distance.hpp>
 #include <graze/lib/models/oscillator.hpp>
 #include <graze/lib/tasks/task_pool.hpp>
 
