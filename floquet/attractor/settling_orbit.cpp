@@ -204,8 +204,8 @@ MotionTask<std::optional<StableOrbit>> orbit_around(TaskSlot& slot, const std::v
   co_return found;
 }
 
-/// Those of an exhaustive search: Newton's method runs from many guesses at once. Chaos has many returns, most of them to
-/// unstable orbits, which are not looked at any closer.
+/// The same for the returns of an exhaustive search, the first that leads to an orbit: Newton's method runs from many guesses at
+/// once. Chaos has many returns, most of them to unstable orbits, which are not looked at any closer.
 MotionTask<std::optional<StableOrbit>> orbit_around_any(TaskSlot& slot, const std::vector<std::vector<Vector>>& guesses,
                                                         bool all_threads, RefusedOrbits& refused) {
   const SharedSystem& system = slot.system();
@@ -310,7 +310,7 @@ MotionTask<int> closest_return(TaskSlot& slot, const Vector& state, int max_peri
 
 namespace {
 
-/// Newton's method of shoot() may change last digits.
+/// Puts the orbit of shoot() in place of this one: its Newton's method makes a further step, which may change last digits.
 void refine(StableOrbit& orbit, const TaskSlot& slot) {
   ShootingOptions shooting;
   shooting.flow = slot.flow();
